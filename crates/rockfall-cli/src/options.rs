@@ -100,7 +100,7 @@ pub(crate) struct Engine {
     #[arg(long, default_value_t)]
     pub(crate) broad_phase: BroadPhase,
     /// Leave out optimizations, to measure what they are worth; results stay the same. Separated by commas: joined-steps,
-    /// list-interval, lead, portions, spatial-order, large-spheres, long-movers, sweeps-at-once, exact-lists
+    /// list-interval, lead, portions, spatial-order, large-spheres, long-movers, sweeps-at-once
     #[arg(long, value_name = "NAME", value_delimiter = ',', hide_short_help = true)]
     pub(crate) without: Vec<Optimization>,
 }

@@ -70,8 +70,6 @@ pub enum Optimization {
     LongMovers,
     /// All sweeps over few collisions in one dispatch.
     SweepsAtOnce,
-    /// Pair lists without room for motion, where lists hardly last.
-    ExactLists,
 }
 
 names!(
@@ -84,13 +82,12 @@ names!(
     SpatialOrder = "spatial-order",
     LargeSpheres = "large-spheres",
     LongMovers = "long-movers",
-    SweepsAtOnce = "sweeps-at-once",
-    ExactLists = "exact-lists"
+    SweepsAtOnce = "sweeps-at-once"
 );
 
 impl Optimization {
     /// All optimizations that can be left out.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 8] = [
         Self::JoinedSteps,
         Self::ListInterval,
         Self::Lead,
@@ -99,7 +96,6 @@ impl Optimization {
         Self::LargeSpheres,
         Self::LongMovers,
         Self::SweepsAtOnce,
-        Self::ExactLists,
     ];
 }
 

@@ -12,6 +12,7 @@
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`springs`], [`spring_bound`] | springs, tethers and muscles, and the substep that they bound |
 //! | [`joints`] | joints, their drives and colours |
+//! | [`periods`] | periodic boundaries |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
 
@@ -27,6 +28,7 @@ pub(crate) mod gpu;
 pub(crate) mod groups;
 pub(crate) mod history;
 pub(crate) mod joints;
+pub(crate) mod periods;
 pub(crate) mod pose;
 pub(crate) mod shape;
 pub(crate) mod spring_bound;

@@ -19,6 +19,8 @@ mod checkpoint;
 mod control;
 #[cfg(feature = "gpu")]
 mod device;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+mod joined;
 mod joints;
 mod observe;
 mod room;
@@ -46,6 +48,9 @@ pub struct Worlds {
     /// The worlds that run on the device, in workgroups of one or a few.
     #[cfg(feature = "gpu")]
     batch: Option<Batch>,
+    /// The worlds that share frames on the device.
+    #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+    joined: joined::Joined,
     /// The integrator of the worlds in workgroups.
     #[cfg(feature = "gpu")]
     shared: Integrator,
@@ -75,6 +80,9 @@ pub enum WorldPath {
     /// By a simulation of its own, which supports all objects and settings. On a GPU its steps are dispatched one world after the
     /// other.
     Simulation,
+    /// With other worlds under the contact law `rigid`, in frames that they share on the GPU. Such worlds have no springs, tethers,
+    /// motions and periodic boundaries, and the same walls, at most 64, gravity, materials and number of substeps. They do not sleep.
+    Joined,
     /// By a workgroup of the GPU, which runs many steps in one dispatch, side by side with other worlds; small worlds of large
     /// batches share a workgroup. This path takes worlds of up to 32 spheres, 64 objects and 128 springs, with RK4 or symplectic
     /// Euler, the contact law of the thesis and single precision. They have no rods, materials, collisions as impulses
@@ -176,6 +184,10 @@ impl Worlds {
             // With room for the former worlds the kernel stays the same in most cases.
             *batch = Batch::new(gpu, &mut worlds, batch.sizes().without_pairs())?;
         }
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        {
+            self.joined = joined::Joined::default();
+        }
         std::mem::swap(&mut self.worlds, &mut worlds);
         // Thousands of worlds have millions of allocations.
         worlds.into_par_iter().for_each(drop);
@@ -186,7 +198,18 @@ impl Worlds {
     fn empty(options: Options) -> Result<Self> {
         let (gpu, info) = crate::simulation::open_device(&options)?;
         let (options, sleep, shared) = (options.backend(info.kind), Sleep::default(), Integrator::default());
-        Ok(Self { options, info, gpu, batch: None, shared, sleep, dt: DEFAULT_TIME_STEP, worlds: Vec::new() })
+        Ok(Self {
+            options,
+            info,
+            gpu,
+            batch: None,
+            #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+            joined: joined::Joined::default(),
+            shared,
+            sleep,
+            dt: DEFAULT_TIME_STEP,
+            worlds: Vec::new(),
+        })
     }
 
     #[cfg(not(feature = "gpu"))]
@@ -220,6 +243,10 @@ impl Worlds {
 
     /// A world whose objects are on the host; `None` for one that needs a simulation on the device.
     fn create_on_host(&self, scene: &Scene) -> Result<Option<World>> {
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let (Some(_), Some(holder)) = (&self.gpu, joined::holder(scene, &self.options)?) {
+            return World::new(holder, WorldPath::Joined).map(Some);
+        }
         #[cfg(feature = "gpu")]
         if self.gpu.is_some() {
             let mirror = device::mirror(scene, &self.options, self.shared)?;
@@ -299,6 +326,11 @@ impl Worlds {
                 Simulation::resume_on_gpu(checkpoint, gpu, &self.info)
             })?;
         }
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let Some(gpu) = &self.gpu {
+            self.joined
+                .run(gpu, &mut self.worlds, steps, dt, |checkpoint| Simulation::resume_on_gpu(checkpoint, gpu, &self.info))?;
+        }
         let sleep = &self.sleep;
         match self.info.kind {
             Backend::Cpu => self.worlds.par_iter_mut().for_each(|world| world.run(steps, dt, sleep)),
@@ -313,6 +345,8 @@ impl Worlds {
         if let Some(batch) = &mut self.batch {
             batch.refresh(&mut self.worlds)?;
         }
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        self.joined.refresh(&mut self.worlds)?;
         Ok(())
     }
 
@@ -382,7 +416,7 @@ impl Worlds {
         self.refresh()?;
         let sync = |world: &mut World| world.simulation.sync().map(|_| ());
         // The states of simulations of their own on a GPU are read one after the other.
-        if self.info.kind == Backend::Cpu || self.worlds.iter().all(|world| world.path == WorldPath::Device) {
+        if self.info.kind == Backend::Cpu || self.worlds.iter().all(|world| world.path != WorldPath::Simulation) {
             self.worlds.par_iter_mut().try_for_each(sync)
         } else {
             self.worlds.iter_mut().try_for_each(sync)
@@ -425,6 +459,18 @@ impl Worlds {
         if let Some(batch) = &mut self.batch {
             batch.changed(world);
         }
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        self.joined.changed(world);
+    }
+
+    /// Notes that the drives of joints of a world have changed, and nothing else.
+    fn drives_changed(&mut self, world: usize) {
+        self.worlds[world].calm = 0;
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if self.worlds[world].path == WorldPath::Joined {
+            return self.joined.drives_changed(world);
+        }
+        self.changed(world);
     }
 
     /// The report on a world. `bounds` are the least and greatest coordinates of the centres of spheres that have not escaped;
@@ -442,8 +488,15 @@ impl Worlds {
             }),
             None => None,
         };
+        let mut report = world.simulation.report();
+        if world.path == WorldPath::Joined && report.steps > 0 {
+            // Shared frames count the contacts of all worlds together.
+            let contacts = world.simulation.contacts()?;
+            report.contacts = contacts.len() as u32;
+            report.max_overlap = contacts.iter().map(|contact| contact.overlap).fold(0.0, f32::max);
+        }
         Ok(WorldReport {
-            report: world.simulation.report(),
+            report,
             path: world.path,
             stopped: world.stopped.clone(),
             escaped,

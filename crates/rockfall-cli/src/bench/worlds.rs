@@ -206,6 +206,7 @@ impl Arguments {
 fn path_name(path: WorldPath) -> &'static str {
     match path {
         WorldPath::Simulation => "simulation",
+        WorldPath::Joined => "shared frames",
         _ => "device",
     }
 }

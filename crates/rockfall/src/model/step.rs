@@ -74,9 +74,7 @@ block! {
         /// Margin of AABBs for accelerations in the first step, in units of 0.02 r. The margin also includes 1.05 |v| dt per
         /// step, and 0.05 r for every further step of `lookahead`. `update_aabbs` has the whole formula.
         pub margin_scale: f32,
-        /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries. 0 for
-        /// exact lists: they hold the pairs that may touch at the present positions, and are rebuilt as soon as a sphere has
-        /// moved by more than a small margin, also between the collisions and the forces of a step.
+        /// Number of steps for which AABBs are grown. With more steps, lists are valid for longer but have more entries.
         pub lookahead: f32,
         /// Number of steps from one opportunity to rebuild lists to the next. Lists must last for as many steps.
         pub list_interval: f32,
@@ -284,11 +282,6 @@ impl Step {
     /// Number of all objects.
     pub const fn objects(&self) -> u32 {
         self.movers() + self.layout.boxes + self.layout.polygons
-    }
-
-    /// Whether lists are exact (see [`ListSettings::lookahead`](crate::model::step::ListSettings::lookahead)).
-    pub const fn has_exact_lists(&self) -> bool {
-        self.lists.lookahead == 0.0
     }
 
     /// The pass of the force evaluation that counts contacts and advances their springs: the first one, or, for velocity Verlet,

@@ -61,11 +61,6 @@ const NONE: u32 = 0xffffffffu;
 // A squared length up to this counts as 0 (docs/physics section 2.3).
 const TINY: f32 = 1e-30;
 
-// Whether lists hold only the pairs that may touch at the present positions, see `Step::lookahead`.
-fn has_exact_lists() -> bool {
-    return step.lookahead == 0.0;
-}
-
 fn objects() -> u32 {
     return step.spheres + step.rods + step.boxes + step.polygons;
 }

@@ -10,9 +10,6 @@ use crate::model::period::Periods;
 use crate::model::step::{Aabb, Step};
 use crate::model::view::View;
 
-/// Margin of AABBs for exact lists, in units of the radius, as in the functions below. It covers rounding, and spheres that
-/// hardly move keep their lists.
-pub(crate) const EXACT_MARGIN: f32 = 0.02;
 /// Most that the device adds to the margin of AABBs where it repeats a step, in units of 0.02 of that length.
 pub(crate) const MOST_OF_REPEAT: f32 = 10.0;
 
@@ -31,12 +28,8 @@ pub(crate) fn position_ahead(step: &Step, position: Vec3, motion: Vec4) -> Vec3 
 }
 
 /// Returns a bound for the distance of a sphere, within `steps` steps, from the point that [`position_ahead`] returns. It
-/// includes some room for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon
-/// as a sphere leaves its AABB.
+/// includes some room for acceleration, which grows with the number of steps.
 pub(crate) fn travel_bound(step: &Step, velocity: Vec3, unit: f32, steps: f32) -> f32 {
-    if step.has_exact_lists() {
-        return 0.0;
-    }
     (steps - step.lists.lead) * (1.05 * velocity.length() * step.constants.dt) + (0.05 * steps - 0.03) * unit
 }
 

@@ -4,9 +4,6 @@
 // will be after `lead` steps at its present velocity. A ball around that point can be smaller than one around the present
 // position.
 
-// Margin of AABBs for exact lists, in units of the radius, as in the functions below. It covers rounding, and spheres that
-// hardly move keep their lists.
-const EXACT_MARGIN: f32 = 0.02;
 const MOST_OF_REPEAT: f32 = 10.0;
 
 // Position of a sphere after `lead` steps at constant velocity. `velocity.w` is the inverse mass. The result is `position` for
@@ -23,9 +20,7 @@ fn trail(velocity: vec4f, unit: f32) -> f32 {
 }
 
 // Bound for the distance of a sphere, within `steps` steps, from the point that `position_ahead` returns. It includes some room
-// for acceleration, which grows with the number of steps. It is 0 for exact lists, which are rebuilt as soon as a sphere leaves
-// its AABB.
+// for acceleration, which grows with the number of steps.
 fn travel_bound(velocity: vec4f, unit: f32, steps: f32) -> f32 {
-    let bound = (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * unit;
-    return select(bound, 0.0, has_exact_lists());
+    return (steps - step.lead) * 1.05 * length(velocity.xyz) * step.dt + (0.05 * steps - 0.03) * unit;
 }

@@ -12,6 +12,8 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 
+use crate::rigid::periods::Periods;
+
 /// An axis-aligned bounding box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Aabb {
@@ -26,6 +28,18 @@ impl Aabb {
 
     fn middle(&self) -> DVec3 {
         (self.min.as_dvec3() + self.max.as_dvec3()) / 2.0
+    }
+
+    /// The box elsewhere.
+    pub(crate) fn moved(&self, way: Vec3) -> Self {
+        Self { min: self.min + way, max: self.max + way }
+    }
+
+    /// Whether it reaches into the box of a periodic scene, grown by `room` on all sides.
+    pub(crate) fn reaches(&self, periods: &Periods, room: Vec3) -> bool {
+        let Periods { lengths, least } = *periods;
+        let is_in = self.max.cmpge(least - room) & self.min.cmple(least + lengths + room);
+        (is_in | lengths.cmpeq(Vec3::ZERO)).all()
     }
 
     /// The greatest edge.
@@ -97,6 +111,41 @@ pub(crate) fn pairs(boxes: &[Aabb], may_touch: impl Fn(usize, usize) -> bool + S
     }
     found.extend(with_large(boxes, &large, put));
     ascending(boxes.len(), &found)
+}
+
+/// The same, in a periodic scene also with images of the boxes for which `has_image` is true. `image`: what moves box b to the image that
+/// counts for box a.
+pub(crate) fn pairs_of_images(
+    boxes: &[Aabb],
+    periods: &Periods,
+    has_image: impl Fn(usize) -> bool + Sync,
+    image: impl Fn(usize, usize) -> Vec3 + Sync,
+    may_touch: impl Fn(usize, usize) -> bool + Sync,
+) -> Vec<(u32, u32)> {
+    if !periods.any() {
+        return pairs(boxes, may_touch);
+    }
+    let movers = || (0..boxes.len()).filter(|k| has_image(*k));
+    // Whatever reaches out of the box does so by less than this.
+    let reach = movers().map(|k| boxes[k].size() as f32).filter(|size| size.is_finite()).fold(0.0, f32::max);
+    let mut all = boxes.to_vec();
+    let mut images: Vec<(usize, Vec3)> = Vec::new();
+    for k in movers() {
+        let ways = periods.images().filter(|way| boxes[k].moved(*way).reaches(periods, Vec3::splat(reach)));
+        images.extend(ways.map(|way| (k, way)));
+    }
+    all.extend(images.iter().map(|(k, way)| boxes[*k].moved(*way)));
+    let owner = |k: usize| k.checked_sub(boxes.len()).map_or((k, Vec3::ZERO), |image| images[image]);
+    let allowed = |i: usize, j: usize| {
+        let ((a, way_a), (b, way_b)) = (owner(i), owner(j));
+        // Of a pair and its images one counts: that in which the box with the smaller number is itself.
+        a < b && way_a == Vec3::ZERO && way_b == image(a, b) && may_touch(a, b)
+    };
+    let found = pairs(&all, |i, j| allowed(i, j) || allowed(j, i));
+    let numbers = |(i, j): (u32, u32)| [i, j].map(|k| owner(k as usize).0 as u32);
+    let mut found: Vec<_> = found.into_iter().map(numbers).map(|[a, b]| (a.min(b), a.max(b))).collect();
+    found.sort_unstable();
+    found
 }
 
 /// All pairs in ascending order: counted and placed by their first boxes, then sorted by their second ones.

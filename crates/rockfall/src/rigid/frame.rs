@@ -85,9 +85,10 @@ pub(crate) fn advance_or_stop(world: &mut RigidWorld, dt: f32, substeps: u32, ke
             return FrameReport { repeats, stopped, ..FrameReport::default() };
         }
         bodies.store(&mut world.bodies);
-        world.history = History::new(&contacts, world.history.frames.wrapping_add(1), h);
+        world.history = History::new(&contacts, h);
         joints::end(&mut joints, dt);
         world.joints.states = joints;
+        world.take_into_box();
         let broken = world.joints.break_loaded();
         return FrameReport { stopped, broken, ..report(&contacts, repeats) };
     }

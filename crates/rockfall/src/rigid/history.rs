@@ -7,8 +7,6 @@ use crate::rigid::collide::MOST_POINTS;
 /// Contacts at the end of the last frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct History {
-    /// Number of frames so far.
-    pub(in crate::rigid) frames: u32,
     /// The substep of the impulses, in s.
     pub(in crate::rigid) substep: f32,
     /// In the order of their colliders.
@@ -39,7 +37,7 @@ pub(in crate::rigid) struct OldPoint {
 impl History {
     /// Everything as words, which [`History::from_words`] reads back to the same bits.
     pub(crate) fn to_words(&self) -> Vec<u32> {
-        let mut words = vec![self.frames, self.substep.to_bits(), self.pairs.len() as u32];
+        let mut words = vec![self.substep.to_bits(), self.pairs.len() as u32];
         for OldPair { colliders, first, count, struck } in &self.pairs {
             words.extend([colliders[0], colliders[1], *count, struck.to_bits()]);
             for point in &self.points[*first as usize..(first + count) as usize] {
@@ -57,7 +55,7 @@ impl History {
     /// Reads a history. `None` if the words are not one: of another length, with numbers that are not finite, or not in order.
     pub(crate) fn from_words(words: &[u32]) -> Option<Self> {
         let mut words = words.iter().copied();
-        let mut history = Self { frames: words.next()?, substep: number(words.next()?)?, ..Self::default() };
+        let mut history = Self { substep: number(words.next()?)?, ..Self::default() };
         for _ in 0..words.next()? {
             let (colliders, count, struck) = ([words.next()?, words.next()?], words.next()?, number(words.next()?)?);
             let is_in_order = history.pairs.last().is_none_or(|last| last.colliders < colliders);
@@ -90,7 +88,7 @@ impl History {
             let [a, b] = [a, b].map(|number| numbers.get(number as usize).copied().flatten());
             Some([a?, b?]).filter(|[a, b]| a < b)
         };
-        let mut new = Self { frames: self.frames, substep: self.substep, ..Self::default() };
+        let mut new = Self { substep: self.substep, ..Self::default() };
         let mut pairs: Vec<_> = self.pairs.iter().filter_map(|old| Some((both(colliders, old.colliders)?, old))).collect();
         pairs.sort_unstable_by_key(|(numbers, _)| *numbers);
         for (colliders, OldPair { first, count, struck, .. }) in pairs {
@@ -101,6 +99,50 @@ impl History {
         new.colours = colours.collect();
         new.colours.sort_unstable_by_key(|(numbers, _)| *numbers);
         new
+    }
+
+    /// Nothing, with the substep of another history.
+    pub(crate) fn within(other: &Self) -> Self {
+        Self { substep: other.substep, ..Self::default() }
+    }
+
+    /// Adds what another world remembers, with other numbers of its colliders and bodies. The order is to be restored.
+    pub(crate) fn extend(&mut self, other: &Self, collider: impl Fn(u32) -> u32, body: impl Fn(u32) -> u32) {
+        let first = self.points.len() as u32;
+        self.pairs.extend(other.pairs.iter().map(|pair| OldPair {
+            colliders: pair.colliders.map(&collider),
+            first: first + pair.first,
+            ..*pair
+        }));
+        self.points.extend_from_slice(&other.points);
+        self.colours.extend(other.colours.iter().map(|(bodies, colour)| (bodies.map(&body), *colour)));
+    }
+
+    /// Restores the order.
+    pub(crate) fn sort(&mut self) {
+        self.pairs.sort_unstable_by_key(|pair| pair.colliders);
+        self.colours.sort_unstable_by_key(|(bodies, _)| *bodies);
+    }
+
+    /// The histories of `count` worlds. Both functions tell the world of two colliders or bodies, and their numbers there.
+    pub(crate) fn split(
+        &self,
+        count: usize,
+        colliders: impl Fn([u32; 2]) -> (usize, [u32; 2]),
+        bodies: impl Fn([u32; 2]) -> (usize, [u32; 2]),
+    ) -> Vec<Self> {
+        let mut all = vec![Self::within(self); count];
+        for pair in &self.pairs {
+            let (world, colliders) = colliders(pair.colliders);
+            let own = &mut all[world];
+            own.pairs.push(OldPair { colliders, first: own.points.len() as u32, ..*pair });
+            own.points.extend_from_slice(&self.points[pair.first as usize..(pair.first + pair.count) as usize]);
+        }
+        for (both, colour) in &self.colours {
+            let (world, both) = bodies(*both);
+            all[world].colours.push((both, *colour));
+        }
+        all
     }
 
     /// The points of a pair of colliders.

@@ -1,10 +1,11 @@
 //! Bodies, colliders and materials of a scene under the law `rigid`.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{IVec3, Mat3, Quat, Vec3};
 
 use crate::rigid::groups::GroupWords;
 use crate::rigid::history::History;
 use crate::rigid::joints::Joints;
+use crate::rigid::periods::Periods;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 use crate::rigid::springs::Springs;
@@ -50,6 +51,10 @@ pub(crate) struct Body {
     pub(crate) torque: Vec3,
     /// Factor of the margin (docs/physics section 11), 1 at the start.
     pub(crate) margin_scale: f32,
+    /// In worlds that share a frame, the number of the first body of its world; else 0. Bodies of different worlds never meet.
+    pub(crate) home: u32,
+    /// By how many periods its place in the scene is away from that in the box of a periodic scene.
+    pub(crate) periods: IVec3,
 }
 
 /// A shape at a place of a body.
@@ -91,6 +96,7 @@ pub(crate) struct RigidWorld {
     pub(crate) materials: usize,
     pub(crate) springs: Springs,
     pub(crate) joints: Joints,
+    pub(crate) periods: Periods,
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,
     /// The least edge or diameter of bodies that are still to come, in units.
@@ -103,6 +109,25 @@ impl RigidWorld {
     /// Of each body, whether it has mass.
     pub(crate) fn with_mass(&self) -> Vec<bool> {
         self.bodies.iter().map(|body| body.inverse_mass > 0.0).collect()
+    }
+
+    /// What moves body b to its image nearest to body a. Bodies without mass are there in all images.
+    pub(crate) fn image(&self, bodies: [u32; 2]) -> Vec3 {
+        let [a, b] = bodies.map(|body| &self.bodies[body as usize]);
+        let have_mass = a.inverse_mass > 0.0 && b.inverse_mass > 0.0;
+        if have_mass { self.periods.to_nearest(b.pose.position - a.pose.position) } else { Vec3::ZERO }
+    }
+
+    /// Takes bodies with mass back into the box of a periodic scene.
+    pub(crate) fn take_into_box(&mut self) {
+        if !self.periods.any() {
+            return;
+        }
+        for body in self.bodies.iter_mut().filter(|body| body.inverse_mass > 0.0) {
+            let away = self.periods.outside(body.pose.position);
+            body.pose.position -= self.periods.ways(away).as_vec3();
+            body.periods += away;
+        }
     }
 
     /// The constants of a contact of two materials.
@@ -129,6 +154,8 @@ impl Body {
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
             margin_scale: 1.0,
+            home: 0,
+            periods: IVec3::ZERO,
         }
     }
 

@@ -90,7 +90,7 @@ impl Scene {
     /// Checks that no two images of one body can touch the same object.
     pub(crate) fn check_periods(&self) -> Result<()> {
         self.check_shear()?;
-        if self.is_periodic() && self.settings.precision == Precision::Single {
+        if self.is_periodic() && self.settings.precision == Precision::Single && !self.is_rigid() {
             let expected = "auto or double for a periodic scene";
             return Err(Error::Invalid { field: "precision", value: Precision::Single.to_string(), expected });
         }

@@ -22,16 +22,6 @@ pub(super) const MAX_ATTEMPTS: u32 = 64;
 /// [`Phase::STEP`]. AABBs and lists are rebuilt only if some body requests it (`rebuild`).
 pub(super) const COLLISIONS_FIRST: [Phase; 4] =
     [Phase::HandleCollisions, Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
-/// A whole step with exact lists, which are built before the collisions and again after them. The second time the stages return at
-/// once unless an impulse has moved a sphere.
-pub(super) const WITH_EXACT_LISTS: [Phase; 6] = [
-    Phase::UpdateAabbs,
-    Phase::BroadPhase,
-    Phase::HandleCollisions,
-    Phase::UpdateAabbs,
-    Phase::BroadPhase,
-    Phase::UpdatePositions,
-];
 /// A whole step in a scene without collisions and friction impulses, which therefore needs no collision phase.
 pub(super) const WITHOUT_COLLISIONS: [Phase; 3] = [Phase::UpdateAabbs, Phase::BroadPhase, Phase::UpdatePositions];
 
@@ -83,8 +73,6 @@ impl Simulation {
         while left > 0 {
             let until = self.pass().await?;
             self.keep_order().await?;
-            let phases = self.phases_for_lists(phases);
-            let was_exact = self.lists.is_exact();
             let overdue = self.overdue(phases);
             let all: Vec<Phase> = overdue.iter().chain(phases).copied().collect();
             // Overdue phases run once, not in every step.
@@ -93,7 +81,6 @@ impl Simulation {
             left -= done;
             attempts = if done > 0 { 0 } else { attempts + 1 };
             self.note_lists(&all, done);
-            self.note_end_of_exact_lists(was_exact);
             if self.status.rejected & REJECTED_HISTORY != 0 {
                 self.grow_histories().await?;
             }

@@ -11,7 +11,7 @@ use crate::model::status::{NO_BODY, REBUILD_REQUESTED, Status};
 use crate::options::Optimization;
 use crate::profile::Recorder;
 use crate::simulation::Simulation;
-use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS, WITHOUT_COLLISIONS};
+use crate::simulation::drive::{COLLISIONS_FIRST, WITHOUT_COLLISIONS};
 use crate::simulation::engine::PendingStatus;
 use crate::step::schedule::{PLACE, Phase, Run};
 
@@ -59,10 +59,7 @@ struct PhaseRun<'a> {
 impl Simulation {
     /// Runs phases up to `most` times, until a step is rejected that only the host can repeat. Returns how many times they were done.
     pub(super) async fn stretch(&mut self, phases: &[Phase], most: u64, mut recorder: Option<&mut Recorder>) -> Result<u64> {
-        let is_exact = self.lists.is_exact();
-        let is_step = phases.starts_with(&COLLISIONS_FIRST)
-            || phases.starts_with(&WITHOUT_COLLISIONS)
-            || (is_exact && phases == WITH_EXACT_LISTS);
+        let is_step = phases.starts_with(&COLLISIONS_FIRST) || phases.starts_with(&WITHOUT_COLLISIONS);
         let mut stretch = PhaseRun { phases, is_step, interval: 1, since: 0 };
         self.lists.begin(self.lists_may_wait(is_step));
         self.begin(&stretch)?;
@@ -72,9 +69,7 @@ impl Simulation {
         let mut in_flight: VecDeque<Portion> = VecDeque::with_capacity(depth);
         let mut done = 0;
         loop {
-            // A step with exact lists has other phases than a step without them.
-            let has_changed = self.lists.is_exact() != is_exact;
-            while self.goes_on(&stretch) && !has_changed && in_flight.len() < depth {
+            while self.goes_on(&stretch) && in_flight.len() < depth {
                 let submitted = done + in_flight.iter().map(|portion| portion.steps).sum::<u64>();
                 if submitted >= most {
                     break;

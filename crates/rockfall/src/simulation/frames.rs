@@ -7,7 +7,7 @@ use crate::fine::Fine;
 use crate::model::status::Status;
 use crate::rigid::frame::{FrameReport, MOST_MARGIN, advance_or_stop, auto_substeps};
 use crate::rigid::history::History;
-use crate::rigid::world::RigidWorld;
+use crate::rigid::world::{Body, RigidWorld};
 use crate::scene::{Body as Part, BodyHandles, BodyState, JointId, RunDefaults, Scene, SphereId};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
@@ -18,11 +18,14 @@ mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
 mod facets;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+pub(crate) mod joined;
 mod joints;
 mod keep;
 mod motions;
 pub(crate) mod observe;
 mod predict;
+mod repeat;
 mod springs;
 mod walls;
 
@@ -118,10 +121,13 @@ impl Frames {
             }
             // What has no mass is put where its motion is.
             if body.inverse_mass > 0.0 {
-                if body.pose.position.distance(place) > room {
+                // At a face of a periodic box, rounding may have taken the body to the other one.
+                let around = self.world.periods.to_nearest(place - body.pose.position);
+                if (body.pose.position - around).distance(place) > room {
                     return false;
                 }
                 body.pose.position = place;
+                body.periods += (around * self.world.periods.inverse()).round().as_ivec3();
             }
         }
         (self.substeps, self.world.history) = (head[0], history);
@@ -179,7 +185,7 @@ impl Frames {
         let BodyHandles { declared, implied } = &self.handles;
         for (body, owner) in self.world.bodies.iter().zip(&self.owners) {
             let state = BodyState {
-                position: self.in_scene_finely(body.pose.position),
+                position: self.in_scene_finely(body),
                 velocity: body.velocity,
                 momentum: body.momentum,
                 orientation: body.pose.turn,
@@ -198,12 +204,13 @@ impl Frames {
         Ok(())
     }
 
-    /// A point of the world in coordinates of the scene, with what single precision leaves over.
-    fn in_scene_finely(&self, point: Vec3) -> Fine {
-        if self.base == DVec3::ZERO {
+    /// The place of a body in coordinates of the scene, with what single precision leaves over.
+    fn in_scene_finely(&self, body: &Body) -> Fine {
+        let (point, base) = (body.pose.position, self.base + self.world.periods.ways(body.periods));
+        if base == DVec3::ZERO {
             return Fine { high: point, low: Vec3::ZERO };
         }
-        Fine::at((self.base + point.as_dvec3()).to_array())
+        Fine::at((base + point.as_dvec3()).to_array())
     }
 
     /// The first sphere of a body, by its index.
@@ -247,24 +254,31 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs frames of [`Simulation::time_step`] seconds.
-    fn run_frames(&mut self, count: u64) -> Result<()> {
+    /// Makes the bodies with which the next frame begins, and chooses the number of substeps.
+    fn ready_frames(&mut self) -> Result<()> {
         if self.frames_due || self.frames.is_none() {
             self.renew_frames()?;
         }
-        let Some(mut frames) = self.frames.take() else { return Ok(()) };
+        let Some(frames) = &mut self.frames else { return Ok(()) };
         if std::mem::take(&mut self.drives_due) {
             frames.set_drives(&self.scene);
         }
+        self.muscle_clock.set_time_step(self.time_step);
+        if frames.substeps == 0 {
+            frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, self.time_step));
+        }
+        Ok(())
+    }
+
+    /// Runs frames of [`Simulation::time_step`] seconds.
+    fn run_frames(&mut self, count: u64) -> Result<()> {
+        self.ready_frames()?;
+        let Some(mut frames) = self.frames.take() else { return Ok(()) };
         #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
         if let (None, Some(gpu)) = (&frames.device, self.engine.frame_device()) {
             frames.device = Some(Box::new(device::OnDevice::new(gpu, &frames.world)?));
         }
         let dt = self.time_step;
-        self.muscle_clock.set_time_step(dt);
-        if frames.substeps == 0 {
-            frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, dt));
-        }
         let keeps_going = self.options.keep_going;
         let mut failed = None;
         for _ in 0..count {

@@ -70,8 +70,7 @@ impl Simulation {
             history: History {
                 lengths_due: self.status.lengths_due != 0,
                 margin_scale: lists.margin,
-                // Exact lists are found again by a trial.
-                lookahead: lists.lookahead.max(1.0),
+                lookahead: lists.lookahead,
                 clock: self.muscle_clock,
             },
             flow: self.flow.clone(),

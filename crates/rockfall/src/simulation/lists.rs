@@ -2,11 +2,6 @@
 //!
 //! [`ListPolicy`] decides for how many steps lists are built. It uses counts of work and the
 //! distances by which bodies left their AABBs. This file passes it the facts of the scene and applies its decisions.
-//!
-//! Exact lists hold the pairs that may touch at the present positions. Symplectic Euler evaluates contacts at two sets of positions in
-//! a step: collisions at those with which the step begins, forces at those that the impulses leave. So exact lists are rebuilt as
-//! soon as a sphere has moved by more than a small margin: before the collisions, and again before the forces if an impulse has moved
-//! a sphere. RK4 also evaluates contacts at positions within the step, which are not known in advance.
 
 use crate::error::{Error, Result};
 use crate::model::layout::{LAW_THESIS, most_pair_rows, words_of_rows};
@@ -14,14 +9,10 @@ use crate::model::status::{REJECTED_COLLISIONS, REJECTED_ESCAPED, REJECTED_PAIRS
 use crate::model::step::ListSettings;
 use crate::model::world::World;
 use crate::options::Optimization;
-use crate::settings::{BroadPhase, Integrator};
 use crate::simulation::Simulation;
-use crate::simulation::drive::{COLLISIONS_FIRST, WITH_EXACT_LISTS};
 use crate::step::schedule::Phase;
 
 mod cost;
-#[cfg(all(test, not(target_family = "wasm")))]
-mod exact_tests;
 mod policy;
 mod trials;
 
@@ -36,19 +27,6 @@ use policy::margin_after_escape;
 const LEAD: f32 = 0.5;
 
 impl Simulation {
-    /// Whether lists may be exact in this scene. Contacts that begin and end within a step need lists of the whole path. Other contact
-    /// laws keep springs for the pairs of their lists, friction impulses follow the collisions and use their lists, and rods and walls
-    /// move between two evaluations. Without collisions no impulse displaces a body, and lists with a margin last longer than a step.
-    fn may_have_exact_lists(&self) -> bool {
-        let traits = self.world.step.traits();
-        traits.integrator == Integrator::SymplecticEuler
-            && traits.law == LAW_THESIS
-            && traits.collisions
-            && !(traits.continuous || traits.friction_impulses || traits.rods || traits.long_movers || traits.walls)
-            && self.broad_phase_method() == BroadPhase::Grid
-            && self.options.uses(Optimization::ExactLists)
-    }
-
     /// Whether the stages that rebuild lists can be left out of some steps, if `phases` are a whole step.
     pub(super) fn lists_may_wait(&self, is_step: bool) -> bool {
         is_step && self.engine.dispatches() && self.options.uses(Optimization::ListInterval) && self.scene.shear().is_none()
@@ -67,7 +45,6 @@ impl Simulation {
             has_rods: traits.rods,
             has_long_lists: traits.has_long_lists(),
             has_history: traits.law != LAW_THESIS,
-            may_be_exact: self.may_have_exact_lists(),
             broad_phase: self.broad_phase_method(),
             dispatches: if self.engine.dispatches() { stages as f32 } else { 0.0 },
         }
@@ -83,7 +60,7 @@ impl Simulation {
             // Images pass each other in every step.
             plan.lookahead = 1.0;
         }
-        let has_lead = is_step && plan.lookahead > 0.0 && self.options.uses(Optimization::Lead);
+        let has_lead = is_step && self.options.uses(Optimization::Lead);
         self.world.step.lists = ListSettings {
             margin_scale: plan.margin,
             lookahead: plan.lookahead,
@@ -95,28 +72,7 @@ impl Simulation {
 
     /// Gives a copy of an earlier state lists that hold as long as those of the simulation. More pairs do not change results.
     pub(super) fn put_lists_of_observation(&self, world: &mut World) {
-        world.step.lists.lookahead = self.lists.settings().lookahead.max(1.0);
-    }
-
-    /// The phases that compute the same as `phases` with the present kind of lists. Ends exact lists where they cannot be used.
-    pub(super) fn phases_for_lists<'a>(&mut self, phases: &'a [Phase]) -> &'a [Phase] {
-        if !self.lists.is_exact() {
-            return phases;
-        }
-        if phases != COLLISIONS_FIRST || !self.may_have_exact_lists() {
-            self.lists.end_exact();
-            self.note_end_of_exact_lists(true);
-            return phases;
-        }
-        &WITH_EXACT_LISTS
-    }
-
-    /// Requests lists if exact lists were used until now and are no longer. Exact lists do not hold for the collisions of the next
-    /// step.
-    pub(super) fn note_end_of_exact_lists(&mut self, was_exact: bool) {
-        let ends = was_exact && !self.lists.is_exact();
-        self.aabbs_due |= ends;
-        self.lists_due |= ends;
+        world.step.lists.lookahead = self.lists.settings().lookahead;
     }
 
     /// The phases that must run first because AABBs or lists do not match the scene.
@@ -189,6 +145,7 @@ pub(super) fn widen_after_escape(world: &mut World, escape: f32, attempts: u32) 
 mod tests {
     use super::*;
     use crate::model::layout::{MAX_PAIR_ROWS, SLICE, max_objects};
+    use crate::simulation::drive::COLLISIONS_FIRST;
 
     /// If the collisions of a repeated step are done, no lists are built before the collision phase.
     #[test]

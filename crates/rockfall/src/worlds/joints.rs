@@ -62,7 +62,7 @@ impl Worlds {
             })?;
             simulation.update_joint(*id, |joint| change(place, joint))
         });
-        self.changed(world);
+        self.drives_changed(world);
         done
     }
 

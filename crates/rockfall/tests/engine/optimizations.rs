@@ -119,22 +119,6 @@ fn lists_of_long_movers_may_be_built_by_one_thread() {
     assert_eq!(with_and_without(Optimization::LongMovers, radii, &options(), long), [true, false]);
 }
 
-/// Lists without room for motion are chosen while spheres fall. The CPU backend chooses by the length of lists alone.
-#[test]
-fn lists_may_keep_room_for_motion() {
-    let options = Options::new().backend(Backend::Cpu).integrator(Integrator::SymplecticEuler).broad_phase(BroadPhase::Grid);
-    let runs = [options.clone(), options.without(Optimization::ExactLists)].map(|options| {
-        let scene = Benchmark::Pile.generate(1100, 3).expect("a scene");
-        let mut simulation = Simulation::with_options(scene, options).expect("the simulation opens");
-        simulation.run(170, DT).expect("steps");
-        let lookahead = simulation.cpu_view().expect("the CPU backend").step.lists.lookahead;
-        (lookahead, Run::of(&mut simulation))
-    });
-    assert_bitwise_identical(&runs[0].1, &runs[1].1);
-    assert_eq!(runs[0].0, 0.0, "exact lists are cheaper in this fall");
-    assert!(runs[1].0 >= 1.0);
-}
-
 #[test]
 fn sweeps_may_take_a_dispatch_each() {
     let [with, without] = with_and_without(Optimization::SweepsAtOnce, pile, &options(), dispatches);

@@ -23,6 +23,7 @@ mod hard_flow;
 mod hard_joints;
 mod hard_mechanisms;
 mod hard_motions;
+mod hard_periodic;
 mod hard_samples;
 mod hard_springs;
 mod hard_walls;

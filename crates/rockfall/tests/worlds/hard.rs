@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Options, Scene, Simulation, Worlds};
+use rockfall::{Backend, Options, Scene, Simulation, WorldPath, Worlds};
 
 use crate::common::*;
 
@@ -21,8 +21,92 @@ fn scene(cubes: usize) -> Scene {
 
 both! {
     worlds_with_hard_contacts_are_those_of_simulations,
+    worlds_that_share_frames_have_the_bits_of_simulations,
+    a_world_that_stops_leaves_the_others,
     joints_of_worlds_are_read_and_driven,
     joints_of_worlds_are_placed,
+}
+
+/// A walker of three links that falls on a floor with a wall, and as many loose cubes and balls beside it as the world's number.
+fn walker(number: usize) -> Scene {
+    let loose: String = (0..number)
+        .map(|k| {
+            format!(
+                "@place cube at={},{},0.3\nS {k} -1 {} 0.2 1 0 0 0 0 0 1 0.2\n",
+                1.2 + 0.1 * k as f32,
+                0.6 + k as f32,
+                0.5 + k as f32
+            )
+        })
+        .collect();
+    let text = format!(
+        "set contact_law rigid\nset gravity 9.81\n@run substeps=4\n@plane at=0,0,0 normal=0,1,0\nB 3 0 -5 1 0 0 0 2 0 0 0 10\n\
+         @body link mass=1\nB -0.4 -0.1 -0.1 0.8 0 0 0 0.2 0 0 0 0.2\n@end\n@body cube mass=1\nB -0.25 -0.25 -0.25 0.5 0 0 0 0.5 0 0 0 0.5\n@end\n\
+         @name a\n@place link at=0,{y},0\n@name b\n@place link at=1,{y},0\n@name c\n@place link at=2,{y},0 velocity=2,0,0\n@name -\n\
+         @joint hinge a b at=0.5,{y},0 axis=0,0,1 limits=-90..90 speed=1 torque=2\n@joint ball b c at=1.5,{y},0 axis=1,0,0 cone=60\n{loose}",
+        y = 0.5 + 0.25 * number as f32,
+    );
+    Scene::parse(&text, Path::new("test")).expect("a valid scene").scene
+}
+
+fn path(backend: Backend) -> WorldPath {
+    if backend == Backend::Gpu { WorldPath::Joined } else { WorldPath::Simulation }
+}
+
+/// With other worlds, after a reset, and with other drives a world has the states that it has alone.
+fn worlds_that_share_frames_have_the_bits_of_simulations(backend: Backend) {
+    let options = Options::new().backend(backend);
+    let scenes: Vec<Scene> = (0..4).map(walker).collect();
+    let alone = |scene: &Scene, frames: u64, speed: Option<f32>| {
+        let mut simulation = Simulation::with_options(scene.clone(), options.clone()).expect("it opens");
+        simulation.run(frames, FRAME).expect("frames");
+        if speed.is_some() {
+            let hinge = simulation.scene().joint_ids().next().expect("a hinge");
+            simulation.update_joint(hinge, |joint| joint.speed = speed).expect("a motor");
+            simulation.run(10, FRAME).expect("frames");
+        }
+        bits(&simulation.spheres().expect("states"))
+    };
+    let mut worlds = Worlds::new(scenes.clone(), options.clone()).expect("worlds");
+    worlds.run(20, FRAME).expect("frames");
+    worlds.reset(&[1]).expect("a reset");
+    worlds.run(20, FRAME).expect("frames");
+    for (number, frames) in [(0, 40), (1, 20), (2, 40), (3, 40)] {
+        let report = worlds.report(number, None).expect("a report");
+        assert_eq!((report.path, report.report.steps), (path(backend), frames));
+        assert_eq!(bits(&worlds.states(number).expect("states")), alone(&scenes[number], frames, None), "world {number}");
+    }
+    assert!(worlds.report(3, None).expect("a report").report.contacts > 0);
+    worlds.update_joint(2, 0, |joint| joint.speed = Some(-3.0)).expect("a motor");
+    worlds.run(10, FRAME).expect("frames");
+    assert_eq!(bits(&worlds.states(2).expect("states")), alone(&scenes[2], 40, Some(-3.0)), "other drives");
+    assert_eq!(bits(&worlds.states(3).expect("states")), alone(&scenes[3], 50, None), "no other drives");
+    // A world with other walls goes on alone.
+    let mut other = walker(1);
+    other.add_box(rockfall::Cuboid::between([-9.0, 0.0, -1.0], [-8.0, 1.0, 1.0])).expect("a box");
+    worlds.replace(1, other.clone()).expect("another world");
+    worlds.run(10, FRAME).expect("frames");
+    assert_eq!(bits(&worlds.states(1).expect("states")), alone(&other, 10, None), "other walls");
+    assert_eq!(bits(&worlds.states(0).expect("states")), alone(&scenes[0], 60, None), "the others");
+}
+
+/// A ball that becomes infinitely fast stops its world, in the state before, and no other one.
+fn a_world_that_stops_leaves_the_others(backend: Backend) {
+    let options = Options::new().backend(backend);
+    let mut scenes: Vec<Scene> = (1..4).map(walker).collect();
+    let ball = scenes[1].sphere_ids().last().expect("a ball");
+    scenes[1].update_sphere(ball, |sphere| (sphere.mass, sphere.force) = (1e-30, Vec3::new(1e35, 0.0, 0.0))).expect("a ball");
+    let mut worlds = Worlds::new(scenes.clone(), options.clone()).expect("worlds");
+    worlds.run(10, FRAME).expect("frames");
+    let reports: Vec<_> = (0..3).map(|world| worlds.report(world, None).expect("a report")).collect();
+    assert!(reports[1].stopped.as_ref().is_some_and(|text| text.contains("finite")), "{:?}", reports[1].stopped);
+    assert_eq!([0, 1, 2].map(|world| reports[world].report.steps), [10, 0, 10]);
+    for number in [0, 2] {
+        let mut simulation = Simulation::with_options(scenes[number].clone(), options.clone()).expect("it opens");
+        simulation.run(10, FRAME).expect("frames");
+        let found = bits(&worlds.states(number).expect("states"));
+        assert_eq!(found, bits(&simulation.spheres().expect("states")), "world {number}");
+    }
 }
 
 fn worlds_with_hard_contacts_are_those_of_simulations(backend: Backend) {

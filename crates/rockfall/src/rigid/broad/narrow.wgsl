@@ -11,7 +11,7 @@ fn manifold_of(a: u32, b: u32) -> Manifold {
     let outer_b = turn_of(body_b);
     // Relative to body a, so that nothing is lost far from the origin.
     let beside = turned_vector(outer_b, place_of_collider(b)) - turned_vector(outer_a, place_of_collider(a));
-    let offset = (place_of(body_b) - place_of(body_a)) + beside;
+    let offset = between(body_a, body_b) + beside;
     let turn_a = multiply(outer_a, turn_of_collider(a));
     let back = vec4f(-turn_a.xyz, turn_a.w);
     let turn = multiply(back, multiply(outer_b, turn_of_collider(b)));
@@ -48,7 +48,7 @@ fn put_found(k: u32, a: u32, b: u32, manifold: ptr<function, Manifold>) {
     let outer_a = turn_of(body_a);
     let outer_b = turn_of(body_b);
     let back = vec4f(-outer_b.xyz, outer_b.w);
-    let apart = place_of(body_b) - place_of(body_a);
+    let apart = between(body_a, body_b);
     found[at] = vec4u(a, b, body_a, body_b);
     found[at + 1u] = vec4u(bitcast<vec3u>(turned_vector(turn, (*manifold).normal)), info_of(a, b, count));
     for (var point = 0u; point < count; point++) {

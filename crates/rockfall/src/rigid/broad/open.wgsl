@@ -32,5 +32,5 @@ fn open(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     bodies[at + 4u] = vec4f(mass.diagonal, 0.0);
     bodies[at + 5u] = vec4f(mass.beside, margin_of(body, motion));
     bodies[at + 7u] = vec4f(motion.velocity, 0.0);
-    bodies[at + 8u] = vec4f(motion.spin, 0.0);
+    bodies[at + 8u] = vec4f(motion.spin, constants[CONSTANT_ROWS * body + 3u].w);
 }

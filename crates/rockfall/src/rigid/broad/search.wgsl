@@ -27,6 +27,8 @@ struct Search {
     found: u32,
     // 1 / E.
     fineness: f32,
+    // 1 if worlds share the frame.
+    joined: u32,
 }
 
 @group(0) @binding(13) var<storage, read_write> bounds: array<vec4u>;
@@ -78,6 +80,12 @@ fn level_of_key(key: vec2u) -> u32 {
 fn cell_of_key(key: vec2u) -> vec3i {
     let at = vec3u(key.x & 0x7ffffu, (key.x >> 19u) | ((key.y & 0x3fu) << 13u), (key.y >> 6u) & 0x7ffffu);
     return vec3i(at) - vec3i(MIDDLE);
+}
+
+// The key of a cell in a world. Worlds that share a frame have cells of their own; where two of them have one key, the homes of the bodies
+// still differ. Applied again, it gives the key of the cell back.
+fn key_in_world(key: vec2u, home: u32) -> vec2u {
+    return vec2u(key.x, key.y ^ ((home * 0x9e3779b9u) >> 7u));
 }
 
 // The slot of a cell. Cells in a row along x have slots in a row.

@@ -1,7 +1,7 @@
 // requires rigid/frame/rows.wgsl rigid/frame/found.wgsl rigid/frame/gather.wgsl rigid/frame/colours.wgsl
 
 // Blocks in the order of their colours: each workgroup counts its colours, the sums of these counts are places, and each block goes
-// there. A block that still waits is left over.
+// there. Where blocks still wait, nothing is arranged; after the last round, `biased` of the call is 1, and they are left over.
 
 // Of each colour the number of blocks in each tile; then their sums.
 @group(0) @binding(32) var<storage, read_write> table: array<u32>;
@@ -55,6 +55,9 @@ fn arrange(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups:
     let colour = colour_of(k);
     colours_of_tile[local] = colour;
     workgroupBarrier();
+    if must_wait() {
+        return;
+    }
     if tile == 0u && local <= COLOURS + 1u {
         atomicStore(&counts[16u + local], table[local * tiles()]);
     }

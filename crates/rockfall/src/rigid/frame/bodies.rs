@@ -6,6 +6,7 @@ use glam::{Mat3A, Vec3, Vec3A};
 
 use crate::rigid::common::MOST_MARGIN;
 use crate::rigid::frame::turn::{Moments, about};
+use crate::rigid::periods::Periods;
 use crate::rigid::pose::Pose;
 use crate::rigid::world::{Body, Kind, RigidWorld};
 use crate::rotate::{product, unit};
@@ -79,6 +80,7 @@ pub(super) struct Bodies {
     /// Length of the path of the frame, with that of the turning surface.
     pub(super) paths: Vec<f32>,
     pub(super) constants: Vec<Constants>,
+    pub(super) periods: Periods,
     /// Bodies whose state stopped being finite in this frame.
     pub(super) stopped: BTreeSet<u32>,
 }
@@ -93,7 +95,7 @@ impl Bodies {
     pub(super) fn load(world: &RigidWorld, dt: f32) -> Self {
         let count = world.bodies.len();
         let field = world.gravity.length();
-        let mut all = Self { clocks: vec![0.0; count], paths: vec![0.0; count], ..Self::default() };
+        let mut all = Self { clocks: vec![0.0; count], paths: vec![0.0; count], periods: world.periods, ..Self::default() };
         for body in &world.bodies {
             let dynamic = body.kind == Kind::Dynamic && body.inverse_mass > 0.0;
             let moments = if dynamic { Moments::new(body.moments.into(), body.axes) } else { Moments::NONE };
@@ -267,6 +269,22 @@ impl Bodies {
         let turn = fixed.moments.turned(pose.turn, self.momenta[i], time);
         let spin = if motion.spin == Vec3A::ZERO { Vec3A::ZERO } else { fixed.moments.inverse_inertia(turn) * self.momenta[i] };
         (Pose::new(position, turn), Motion { velocity: motion.velocity + time * gravity, spin })
+    }
+
+    /// What moves the second body of a block to its image nearest to the first one.
+    pub(super) fn image(&self, bodies: [u32; 2]) -> Vec3 {
+        let [a, b] = bodies.map(|body| body as usize);
+        if !self.periods.any() || !self.constants[a].dynamic || !self.constants[b].dynamic {
+            return Vec3::ZERO;
+        }
+        self.periods.to_nearest(self.poses[b].position - self.poses[a].position)
+    }
+
+    /// The poses of two bodies, the second one at its image nearest to the first one.
+    pub(super) fn poses_of(&self, bodies: [u32; 2]) -> [Pose; 2] {
+        let [a, mut b] = bodies.map(|body| self.poses[body as usize]);
+        b.position += self.image(bodies);
+        [a, b]
     }
 
     /// The path of a body over its margin, if it has left it.

@@ -39,7 +39,7 @@ fn carry_block(k: u32, any_reflected: bool) {
         return;
     }
     let sight = sight_at(block, start);
-    let apart = place_of(block.b) - place_of(block.a);
+    let apart = between(block.a, block.b);
     for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
         let old = face_at(pair);
         let old_one = tangent_one(old.normal);

@@ -9,8 +9,6 @@ use crate::rigid::history::History;
 const HUB: u32 = 64;
 /// Blocks keep colours below this one. Others look for a smaller colour in each frame.
 const KEPT: u8 = 8;
-/// Blocks that need more rounds are left over for this frame.
-const ROUNDS: u8 = 16;
 
 /// What the coloured blocks of a body leave free.
 #[derive(Clone, Copy, Default)]
@@ -32,9 +30,8 @@ pub(super) fn colour(contacts: &mut Contacts, bodies: &Bodies, history: &History
         }
     }
     let waiting = keep(contacts, bodies, history, &mut uses);
-    let most = if history.is_fresh() { u8::MAX } else { ROUNDS };
     for k in waiting {
-        take(&mut contacts.blocks[k], bodies, &mut uses, most);
+        take(&mut contacts.blocks[k], bodies, &mut uses);
     }
     share(contacts, bodies);
     sort(contacts, bodies.count());
@@ -56,7 +53,7 @@ fn keep(contacts: &mut Contacts, bodies: &Bodies, history: &History, uses: &mut 
         }
         // A body that has got mass may have several blocks of one colour: the first keeps it.
         let free = |colour: &u8| heavy(block, bodies).all(|body| uses[body].colours & (1 << *colour) == 0);
-        match history.colour(block.bodies).filter(|colour| !history.is_fresh() && *colour < KEPT).filter(free) {
+        match history.colour(block.bodies).filter(|colour| *colour < KEPT).filter(free) {
             Some(colour) => {
                 block.colour = colour;
                 heavy(block, bodies).for_each(|body| uses[body].colours |= 1 << colour);
@@ -69,12 +66,14 @@ fn keep(contacts: &mut Contacts, bodies: &Bodies, history: &History, uses: &mut 
 }
 
 /// A block takes the smallest free colour, in the round after its earlier neighbours.
-fn take(block: &mut Block, bodies: &Bodies, uses: &mut [Use], most: u8) {
+fn take(block: &mut Block, bodies: &Bodies, uses: &mut [Use]) {
     let (used, round) =
         heavy(block, bodies).fold((0, 0), |(used, round), body| (used | uses[body].colours, uses[body].round.max(round)));
-    block.round = round.saturating_add(1);
+    // Blocks of more rounds than a byte can tell are left over.
+    let next = round.checked_add(1);
+    block.round = next.unwrap_or(u8::MAX);
     let colour = used.trailing_ones() as u8;
-    if colour < COLOURS as u8 && block.round <= most {
+    if colour < COLOURS as u8 && next.is_some() {
         block.colour = colour;
     }
     for body in heavy(block, bodies) {

@@ -43,7 +43,9 @@ pub(super) fn candidates(world: &RigidWorld, bodies: &Bodies) -> Vec<(u32, u32)>
         let [heavy, light] = [a, b].map(|collider| bodies.masses[collider.body as usize].inverse_mass);
         a.body != b.body && a.group.touches(b.group) && (heavy > 0.0 || light > 0.0) && !apart.contains(a.body, b.body)
     };
-    broad::pairs(&boxes, may_touch)
+    let has_image = |i: usize| bodies.masses[world.colliders[i].body as usize].inverse_mass > 0.0;
+    let image = |i: usize, j: usize| bodies.image([i, j].map(|k| world.colliders[k].body));
+    broad::pairs_of_images(&boxes, &world.periods, has_image, image, may_touch)
 }
 
 /// The AABB of a collider, grown by the margin of its body.
@@ -58,7 +60,8 @@ fn manifold(world: &RigidWorld, bodies: &Bodies, (i, j): (u32, u32)) -> Option<F
     let body = |collider: u32| world.colliders[collider as usize].body;
     let colliders = if body(i) <= body(j) { [i, j] } else { [j, i] };
     let [a, b] = colliders.map(|k| &world.colliders[k as usize]);
-    let [pose_a, pose_b] = [a, b].map(|collider| bodies.poses[collider.body as usize].compose(&collider.place));
+    let [body_a, body_b] = bodies.poses_of([a.body, b.body]);
+    let (pose_a, pose_b) = (body_a.compose(&a.place), body_b.compose(&b.place));
     let reach = bodies.constants[a.body as usize].margin + bodies.constants[b.body as usize].margin;
     let [shape_a, shape_b] = [a, b].map(|collider| &world.shapes[collider.shape as usize]);
     let manifold = collide(shape_a, shape_b, &pose_a.relative(&pose_b), reach)?;
@@ -165,7 +168,7 @@ pub(super) fn pair(world: &RigidWorld, found: &Found, first: usize) -> Pair {
 /// The points of a pair, in coordinates of the bodies.
 pub(super) fn add_points(world: &RigidWorld, bodies: &Bodies, contacts: &mut Contacts, found: &Found, room: u8) {
     let place = &world.colliders[found.colliders[0] as usize].place;
-    let [a, b] = found.bodies.map(|body| &bodies.poses[body as usize]);
+    let [a, b] = bodies.poses_of(found.bodies);
     let (apart, back) = (Vec3A::from(b.position - a.position), b.turn.inverse());
     let end = contacts.points.len() + usize::from(room);
     for point in &found.manifold.points[..found.manifold.count] {

@@ -32,6 +32,11 @@ fn unordered_at(entry: u32) -> u32 {
     return frame.bodies + 1u + (arrayLength(&entries) - frame.bodies - 1u) / 2u + entry;
 }
 
+// Whether blocks wait for more rounds of colours.
+fn must_wait() -> bool {
+    return atomicLoad(&counts[8]) > 0u && call.biased == 0u;
+}
+
 fn bodies_of(pair: u32) -> vec2u {
     return pairs[PAIR_ROWS * pair + 3u].zw;
 }

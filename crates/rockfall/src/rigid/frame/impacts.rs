@@ -149,7 +149,7 @@ fn reflect(
     shares: [f32; 2],
 ) -> Option<Reflected> {
     let block = &contacts.blocks[k];
-    let state = scope.state(bodies, block, hit.time);
+    let (state, image) = (scope.state(bodies, block, hit.time), bodies.image(block.bodies));
     let masses = [0, 1].map(|s| mass_at(bodies, block.sides()[s], state.0[s].turn).split(shares[s]));
     let [a, b] = state.1;
     let mut sides = Sides { a, b, mass_a: &masses[0], mass_b: &masses[1] };
@@ -165,7 +165,9 @@ fn reflect(
         });
         let i = block.sides()[s];
         let momentum = bodies.momenta[i] + shares[s] * moment;
-        back(scope, bodies, i, &state.0[s], [sides.a, sides.b][s].velocity, momentum, hit.time)
+        let mut pose = state.0[s];
+        pose.position -= [Vec3::ZERO, image][s];
+        back(scope, bodies, i, &pose, [sides.a, sides.b][s].velocity, momentum, hit.time)
     });
     Some(Reflected { ends, strikes })
 }
@@ -275,7 +277,7 @@ fn carry(scope: &Scope<'_>, contacts: &mut Contacts, bodies: &Bodies) {
 fn carry_block(scope: &Scope<'_>, bodies: &Bodies, view: View<'_>, start: f32) {
     let (poses, _) = scope.state(bodies, view.block, start);
     let sides = view.block.sides();
-    let now = sides.map(|i| bodies.poses[i]);
+    let now = bodies.poses_of(view.block.bodies);
     let loose = sides.map(|i| bodies.constants[i].dynamic);
     let (apart, apart_now) = (apart(&poses), apart(&now));
     view.block.time = scope.h - start;

@@ -121,9 +121,11 @@ fn joint_at(number: u32) -> Joint {
     let sides = joints[JOINT_ROWS * number + 4u];
     let turn_a = turn_of(sides.x);
     let turn_b = turn_of(sides.y);
-    let from_a = place_of(sides.y) - place_of(sides.x);
     let arm_b = turned_vector(turn_b, joint_row(number, 2u).xyz);
-    let apart = (from_a - turned_vector(turn_a, joint_row(number, 0u).xyz)) + arm_b;
+    let anchor_a = turned_vector(turn_a, joint_row(number, 0u).xyz);
+    let way = place_of(sides.y) - place_of(sides.x);
+    let from_a = way + to_nearest((way - anchor_a) + arm_b);
+    let apart = (from_a - anchor_a) + arm_b;
     let one = multiply(turn_a, joint_row(number, 1u));
     let two = multiply(turn_b, joint_row(number, 3u));
     let axes = mat3x3f(

@@ -1,11 +1,14 @@
 // requires rigid/frame/rows.wgsl rigid/frame/found.wgsl rigid/frame/gather.wgsl rigid/frame/past.wgsl rigid/frame/colours.wgsl
 
-// Blocks keep the colours of the last frame; others wait for one, and those of hubs are left over. The w of the second softness is 1 if
-// all colours are given anew.
+// Blocks keep the colours of the last frame; others wait for one, and those of hubs are left over.
 
 const HUB: u32 = 64u;
 // Blocks keep colours below this one. Others look for a smaller colour in each frame.
 const KEPT: u32 = 8u;
+
+fn own_number(body: u32) -> u32 {
+    return body - max(home_of(body), 1u) + 1u;
+}
 
 fn is_crowded(body: u32, is_near: bool) -> bool {
     let all = list_start(body + 1u) - list_start(body);
@@ -22,8 +25,10 @@ fn old_colour(both: vec2u) -> u32 {
     return LEFT_OVER;
 }
 
+// Of the numbers that bodies have in their own world.
 fn spread(both: vec2u) -> u32 {
-    var x = (both.x * 0x9e3779b9u) ^ (both.y * 0x85ebca6bu);
+    let own = vec2u(own_number(both.x), own_number(both.y));
+    var x = (own.x * 0x9e3779b9u) ^ (own.y * 0x85ebca6bu);
     x = (x ^ (x >> 16u)) * 0x85ebca6bu;
     x = (x ^ (x >> 13u)) * 0xc2b2ae35u;
     return x ^ (x >> 16u);
@@ -42,7 +47,7 @@ fn keep(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: ve
     if !(is_crowded(both.x, is_near) || is_crowded(both.y, is_near)) {
         state = LEFT_OVER | WAITING;
         let colour = old_colour(both);
-        if frame.soft[1].w == 0.0 && colour < KEPT {
+        if colour < KEPT {
             state = colour;
         }
     }

@@ -28,7 +28,7 @@ fn lay(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) groups: vec
     let inner = found[f + 1u];
     let turn_a = turn_of(own.z);
     let turn_b = turn_of(own.w);
-    let apart = place_of(own.w) - place_of(own.z);
+    let apart = between(own.z, own.w);
     let normal = turned_vector(turn_a, bitcast<vec3f>(inner.xyz));
     let reach = reach_of(own.z, own.w);
     var info = inner.w & ~NEAR;

@@ -12,7 +12,7 @@ fn solve_copies(k: u32, biased: bool) {
     let b = motion_of(block.b);
     var sides = Sides(
         a, b, copied(mass_of(block.a), share_of(block.a)), copied(mass_of(block.b), share_of(block.b)),
-        place_of(block.b) - place_of(block.a)
+        between(block.a, block.b)
     );
     sweep_block(block, &sides, biased);
     let at = LOAD_ROWS * frame.blocks + COPY_ROWS * (k - frame.left_over);

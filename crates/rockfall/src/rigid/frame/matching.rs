@@ -10,8 +10,8 @@ use crate::rigid::history::{History, OldPair, OldPoint};
 
 impl History {
     /// Of the contacts after a frame.
-    pub(super) fn new(contacts: &Contacts, frames: u32, substep: f32) -> Self {
-        let mut history = Self { frames, substep, ..Self::default() };
+    pub(super) fn new(contacts: &Contacts, substep: f32) -> Self {
+        let mut history = Self { substep, ..Self::default() };
         let mut order: Vec<&Pair> = contacts.pairs.iter().collect();
         // Each colour is in order, or nearly so. A stable sort merges such runs.
         order.sort_by_key(|pair| pair.colliders);
@@ -31,11 +31,6 @@ impl History {
         history.colours = contacts.blocks.iter().map(|block| (block.bodies, block.colour)).collect();
         history.colours.sort_by_key(|(bodies, _)| *bodies);
         history
-    }
-
-    /// Whether there are colours to keep.
-    pub(in crate::rigid) fn is_fresh(&self) -> bool {
-        self.frames.is_multiple_of(1024)
     }
 
     /// The colour of a block in the last frame.

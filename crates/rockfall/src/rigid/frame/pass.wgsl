@@ -5,7 +5,7 @@
 fn solve_block(k: u32, biased: bool) {
     let block = block_at(k);
     var sides = Sides(
-        motion_of(block.a), motion_of(block.b), mass_of(block.a), mass_of(block.b), place_of(block.b) - place_of(block.a)
+        motion_of(block.a), motion_of(block.b), mass_of(block.a), mass_of(block.b), between(block.a, block.b)
     );
     if sweep_block(block, &sides, biased) {
         if has_mass(block.a) {

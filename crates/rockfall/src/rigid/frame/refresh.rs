@@ -67,7 +67,7 @@ pub(super) fn tangents(n: Vec3A) -> [Vec3A; 2] {
 
 /// Forms the rows of a block anew.
 pub(super) fn refresh(world: &RigidWorld, bodies: &Bodies, view: View<'_>, h: f32) {
-    let poses = view.block.sides().map(|i| bodies.poses[i]);
+    let poses = bodies.poses_of(view.block.bodies);
     let apart = apart(&poses);
     view.block.time = h;
     renew_block(world, view, &poses, |on_a, on_b, gap| {

@@ -6,7 +6,7 @@ fn refresh_block(k: u32) {
     let block = block_at(k);
     let turn_a = turn_of(block.a);
     let turn_b = turn_of(block.b);
-    let apart = place_of(block.b) - place_of(block.a);
+    let apart = between(block.a, block.b);
     for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
         let at = PAIR_ROWS * pair;
         let old = face_at(pair);

@@ -57,7 +57,7 @@ fn renew_pair(block: Block, pair: u32, sight: Sight, place: Place, start: f32) {
     pairs[PAIR_ROWS * pair] = bitcast<vec4u>(vec4f(place.normal, old.friction));
     let now = pairs[PAIR_ROWS * pair + 1u];
     pairs[PAIR_ROWS * pair + 1u] = vec4u(bitcast<vec2u>(belt_in(sight, pair, place.normal)), now.zw);
-    let apart = place_of(block.b) - place_of(block.a);
+    let apart = between(block.a, block.b);
     for (var k = 0u; k < MOST_POINTS && k < (now.w & 0xffu); k++) {
         let point = old.first + k;
         let spot = spot_in(sight, place, k);

@@ -4,8 +4,8 @@
 //
 // | array | rows of an entry |
 // |---|---|
-// | `bodies` | x, clock; q; v, 1/m; omega, path; I^-1 xx yy zz, left-over blocks; I^-1 xy xz yz, margin; L, rho; v_0, stopped; omega_0, hits or reflections in the substep |
-// | `constants` | principal axes; J, width; g + (F + F_s)/m, 1 with springs or joints; torque. After all bodies: the velocities of the surfaces of the colliders, a row each |
+// | `bodies` | x, clock; q; v, 1/m; omega, path; I^-1 xx yy zz, left-over blocks; I^-1 xy xz yz, margin; L, rho; v_0, stopped; omega_0, hits or reflections in the substep; until then its home |
+// | `constants` | principal axes; J, width; g + (F + F_s)/m, 1 with springs or joints; torque, home. After all bodies: the velocities of the surfaces of the colliders, a row each |
 // | `blocks` | a, b, first pair, pairs; first point, info, time, 0 |
 // | `pairs` | n, mu; belt (2), first point, info; n in coordinates of a, e; colliders (2), a, b |
 // | `points` | l_A, id; l_B, for the first one of a pair the normal impulse of its impacts in the frame |
@@ -28,6 +28,10 @@ struct Frame {
     soft: array<vec4f, 2>,
     // First block of each colour, of the left-over ones, and their end.
     colours: array<vec4u, 5>,
+    // Periods, and 1 over them; 0 along axes that are not periodic. The lower corner of the box.
+    period: vec3f,
+    per_period: vec3f,
+    box_start: vec3f,
 }
 
 struct Call {
@@ -116,6 +120,30 @@ fn has_mass(body: u32) -> bool {
 
 fn place_of(body: u32) -> vec3f {
     return bodies[BODY_ROWS * body].xyz;
+}
+
+// What moves the end of a way to its image nearest to the start.
+fn to_nearest(way: vec3f) -> vec3f {
+    return -frame.period * floor(way * frame.per_period + vec3f(0.5));
+}
+
+// What moves body b to its image nearest to body a. Bodies without mass are there in all images.
+fn image_of(a: u32, b: u32) -> vec3f {
+    if all(frame.period == vec3f(0.0)) || !has_mass(a) || !has_mass(b) {
+        return vec3f(0.0);
+    }
+    return to_nearest(place_of(b) - place_of(a));
+}
+
+// From the centre of body a to that of body b.
+fn between(a: u32, b: u32) -> vec3f {
+    return (place_of(b) - place_of(a)) + image_of(a, b);
+}
+
+// The first body of its world, in worlds that share a frame; 0 of the static body, which all have, and of all bodies of a single world.
+// Known in the search and in the assembly.
+fn home_of(body: u32) -> u32 {
+    return u32(bodies[BODY_ROWS * body + 8u].w);
 }
 
 fn turn_of(body: u32) -> vec4f {

@@ -78,7 +78,7 @@ fn spare_round(@builtin(workgroup_id) group: vec3u, @builtin(num_workgroups) gro
     let rest = frame.h - start;
     let a = motion_of(block.a);
     let b = motion_of(block.b);
-    let apart = place_of(block.b) - place_of(block.a);
+    let apart = between(block.a, block.b);
     for (var pair = block.first_pair; pair < block.first_pair + block.pairs; pair++) {
         let face = face_at(pair);
         if (face.info & ROUND) == 0u {

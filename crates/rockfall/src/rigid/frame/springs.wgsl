@@ -56,7 +56,8 @@ fn pull_of(spring: u32, substep: u32) -> Pull {
     let rest = bitcast<vec4f>(springs[at + 2u]);
     let arm_a = turned_vector(turn_of(sides.x), one.xyz);
     let arm_b = turned_vector(turn_of(sides.y), two.xyz);
-    let apart = (place_of(sides.y) - place_of(sides.x)) + (arm_b - arm_a);
+    let way = (place_of(sides.y) - place_of(sides.x)) + (arm_b - arm_a);
+    let apart = way + to_nearest(way);
     let distance = length(apart);
     if distance == 0.0 {
         return Pull(vec3f(0.0), arm_a, arm_b);
@@ -86,7 +87,7 @@ fn pull_body(k: u32) {
     let base = SPRING_ROWS * ends[0] + 2u * k;
     let at = CONSTANT_ROWS * body;
     kicks[at + 2u] = vec4f(bitcast<vec4f>(springs[base]).xyz + bodies[BODY_ROWS * body + 2u].w * force, kicks[at + 2u].w);
-    kicks[at + 3u] = vec4f(bitcast<vec4f>(springs[base + 1u]).xyz + torque, 0.0);
+    kicks[at + 3u] = vec4f(bitcast<vec4f>(springs[base + 1u]).xyz + torque, kicks[at + 3u].w);
     muscles[k] = substep + 1u;
 }
 

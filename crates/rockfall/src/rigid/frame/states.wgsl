@@ -67,7 +67,7 @@ fn state_at(body: u32, time: f32) -> State {
 fn sight_at(block: Block, time: f32) -> Sight {
     let a = state_at(block.a, time);
     let b = state_at(block.b, time);
-    return Sight(a, b, b.place - a.place);
+    return Sight(a, b, (b.place - a.place) + image_of(block.a, block.b));
 }
 
 fn inner_normal(pair: u32) -> vec3f {

@@ -52,7 +52,8 @@ impl Scope<'_> {
 
     /// Both bodies of a block at a time, before the kick.
     pub(super) fn state(&self, bodies: &Bodies, block: &Block, time: f32) -> State {
-        let [(pose_a, a), (pose_b, b)] = block.sides().map(|i| bodies.at(i, time, self.gravity()));
+        let [(pose_a, a), (mut pose_b, b)] = block.sides().map(|i| bodies.at(i, time, self.gravity()));
+        pose_b.position += bodies.image(block.bodies);
         ([pose_a, pose_b], [a, b])
     }
 
@@ -192,7 +193,7 @@ impl Scope<'_> {
     /// Both bodies of a block at a time with the present motions, after the kick.
     fn kicked(&self, bodies: &Bodies, block: &Block, time: f32) -> State {
         let gravity = self.gravity();
-        let [(pose_a, a), (pose_b, b)] = block.sides().map(|i| {
+        let [(pose_a, a), (mut pose_b, b)] = block.sides().map(|i| {
             let (pose, motion) = (bodies.poses[i], bodies.motions[i]);
             let field = if bodies.constants[i].dynamic { gravity } else { Vec3A::ZERO };
             let velocity = motion.velocity - (self.h - time) * field;
@@ -200,6 +201,7 @@ impl Scope<'_> {
             let turn = if motion.spin == Vec3A::ZERO { pose.turn } else { unit(product(about(time * motion.spin), pose.turn)) };
             (Pose::new(position, turn), Motion { velocity, ..motion })
         });
+        pose_b.position += bodies.image(block.bodies);
         ([pose_a, pose_b], [a, b])
     }
 }

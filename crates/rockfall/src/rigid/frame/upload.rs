@@ -39,6 +39,7 @@ impl Frame<'_> {
                 substeps,
                 soft: FrameRow::softness_of_both(self.h),
                 colours,
+                ..FrameRow::of_periods(&self.world.periods)
             },
             bodies: (0..count).map(|i| self.body_row(i)).collect(),
             constants: (0..count).map(|i| self.constant_row(i)).collect(),
@@ -97,7 +98,7 @@ impl Frame<'_> {
             acceleration: (self.world.gravity + body.inverse_mass * body.force)
                 .extend(f32::from(u8::from(self.bodies.constants[i].sprung)))
                 .to_array(),
-            torque: body.torque.extend(0.0).to_array(),
+            torque: body.torque.extend(body.home as f32).to_array(),
         }
     }
 

@@ -3,7 +3,7 @@
 // The warm start (docs/physics section 11.8): what each block adds, and the sum of it for a body.
 
 fn put_load(k: u32, block: Block) {
-    let apart = place_of(block.b) - place_of(block.a);
+    let apart = between(block.a, block.b);
     var impulse = vec3f(0.0);
     var moment_a = vec3f(0.0);
     var moment_b = vec3f(0.0);

@@ -9,10 +9,10 @@ use crate::rigid::gpu::kernels::{
 use crate::rigid::gpu::rows::{BlockRow, ContactRow, PairRow, PointRow};
 use crate::rigid::gpu::scan::Scan;
 use crate::rigid::gpu::search::Search;
-use crate::rigid::gpu::{COLOURS, round_call};
+use crate::rigid::gpu::{COLOURS, call, round_call};
 use crate::rigid::world::RigidWorld;
 
-/// Rounds in which blocks take colours; in a frame that colours all anew, as often as it takes.
+/// Rounds in which blocks take colours, as often as it takes.
 pub(super) const ROUNDS: u32 = 16;
 /// Blocks that a workgroup arranges.
 const TILE: u32 = 256;
@@ -123,16 +123,12 @@ impl Assembly {
         }
     }
 
-    /// Counts the blocks of each colour and those that wait.
-    pub(super) fn encode_count(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>) {
+    /// Arranges the blocks by colour, if none waits or this is the last round.
+    pub(super) fn encode_order(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>, is_last: bool) {
+        let call = call(0, is_last);
         arrays.dispatch_groups(pass, COUNT_COLOURS, self.room.div_ceil(TILE), 0);
-    }
-
-    /// Arranges the blocks by colour.
-    pub(super) fn encode_order(&self, arrays: &Arrays, pass: &mut wgpu::ComputePass<'_>) {
-        self.encode_count(arrays, pass);
         self.of_colours.encode(pass);
-        arrays.dispatch_groups(pass, ARRANGE, self.room.div_ceil(TILE), 0);
-        arrays.dispatch(pass, RELIST, self.content.bodies, 0);
+        arrays.dispatch_groups(pass, ARRANGE, self.room.div_ceil(TILE), call);
+        arrays.dispatch(pass, RELIST, self.content.bodies, call);
     }
 }

@@ -50,8 +50,8 @@ impl Past {
     }
 
     /// Back from the rows.
-    pub(super) fn history(&self, frames: u32, substep: f32) -> History {
-        let mut history = History { frames, substep, ..History::default() };
+    pub(super) fn history(&self, substep: f32) -> History {
+        let mut history = History { substep, ..History::default() };
         let mut order: Vec<(usize, &[u32; 8])> = self.pairs.iter().enumerate().collect();
         order.sort_unstable_by_key(|(_, pair)| [pair[0], pair[1]]);
         for (p, pair) in order {

@@ -4,6 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::rigid::common::FREQUENCY;
 use crate::rigid::gpu::shapes::ColliderRow;
+use crate::rigid::periods::Periods;
 use crate::rigid::world::Body;
 
 /// A block has one side without mass.
@@ -79,6 +80,7 @@ pub(crate) struct ConstantRow {
     pub(crate) width: f32,
     /// g + (F + F_s)/m; 1 if springs or joints end at the body.
     pub(crate) acceleration: [f32; 4],
+    /// The torque; the home of the body.
     pub(crate) torque: [f32; 4],
 }
 
@@ -153,6 +155,11 @@ pub(crate) struct FrameRow {
     pub(crate) soft: [[f32; 4]; 2],
     /// First block of each colour, of the left-over ones, and their end.
     pub(crate) colours: [u32; 20],
+    /// Periods, and 1 over them; 0 along axes that are not periodic.
+    pub(crate) period: [f32; 4],
+    pub(crate) per_period: [f32; 4],
+    /// The lower corner of the periodic box.
+    pub(crate) box_start: [f32; 4],
 }
 
 /// All arrays of a frame.
@@ -174,6 +181,13 @@ pub(crate) struct FrameRows {
 }
 
 impl FrameRow {
+    /// A row that knows the periods alone.
+    pub(crate) fn of_periods(periods: &Periods) -> Self {
+        let [period, per_period, box_start] =
+            [periods.lengths, periods.inverse(), periods.least].map(|vector| vector.extend(0.0).to_array());
+        Self { period, per_period, box_start, ..Self::default() }
+    }
+
     /// The softness of blocks with two masses, and of fixed ones, which are twice as stiff.
     pub(crate) fn softness_of_both(h: f32) -> [[f32; 4]; 2] {
         [FREQUENCY, 2.0 * FREQUENCY].map(|frequency| Self::softness(frequency, h))
@@ -199,5 +213,5 @@ const _: () = {
     assert!(size_of::<PairRow>() == 4 * 16);
     assert!(size_of::<PointRow>() == 2 * 16);
     assert!(size_of::<ContactRow>() == 2 * 16);
-    assert!(size_of::<FrameRow>() == 9 * 16);
+    assert!(size_of::<FrameRow>() == 12 * 16);
 };

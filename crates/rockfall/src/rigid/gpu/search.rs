@@ -49,7 +49,8 @@ struct SearchRow {
     candidates: u32,
     found: u32,
     fineness: f32,
-    unused: [u32; 2],
+    joined: u32,
+    unused: u32,
 }
 
 const _: () = assert!(size_of::<FoundRow>() == 10 * 16 && size_of::<SearchRow>() == 32);
@@ -112,7 +113,7 @@ pub(crate) struct Search {
     pub(crate) counts: wgpu::Buffer,
     /// Of each body the number of manifolds that it owns: of the bodies a < b of a manifold, b if it has mass, else a.
     pub(crate) owned: wgpu::Buffer,
-    /// Of each body the factor of its margin. At the start those of the world.
+    /// Of each body the factor of its margin, then of each three words: its periods. At the start those of the world.
     pub(crate) scales: wgpu::Buffer,
     /// Dispatches so far.
     pub(crate) dispatches: u32,
@@ -193,15 +194,15 @@ impl Search {
         // At most half of the slots are in use.
         let slots = (2 * colliders.max(1)).next_power_of_two();
         let fineness = (f64::from(1 << USUAL_LEVEL) / usual_size(world, dt)) as f32;
-        let row = SearchRow { dt, colliders, slots, fineness, ..SearchRow::default() };
+        let joined = u32::from(world.bodies.iter().any(|body| body.home > 0));
+        let row = SearchRow { dt, colliders, slots, fineness, joined, ..SearchRow::default() };
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let words = |label, count: u64| gpu.buffer(label, 4 * count, storage);
         let [wide_bodies, wide_colliders] = [bodies, colliders].map(u64::from);
         let cells = words("rigid cells", u64::from(slots));
         let scan = Scan::new(&device, gpu.scans(), &cells, slots);
-        let scales = words("rigid scales", wide_bodies);
-        let factors: Vec<f32> = world.bodies.iter().map(|body| body.margin_scale).collect();
-        queue.write_buffer(&scales, 0, cast_slice(&factors));
+        let scales = words("rigid scales", 4 * wide_bodies);
+        queue.write_buffer(&scales, 0, cast_slice(&scales_of(world)));
         let mut search = Self {
             kernels,
             groups: Vec::new(),
@@ -339,6 +340,12 @@ impl Search {
         pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
         self.dispatches += 1;
     }
+}
+
+/// The factors of the margins of all bodies, then their periods.
+pub(super) fn scales_of(world: &RigidWorld) -> Vec<f32> {
+    let factors = world.bodies.iter().map(|body| body.margin_scale);
+    factors.chain(world.bodies.iter().flat_map(|body| body.periods.as_vec3().to_array())).collect()
 }
 
 /// The size of AABBs that nine of ten do not exceed now, and a little more.

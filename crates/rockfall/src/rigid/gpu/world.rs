@@ -15,7 +15,7 @@ use crate::rigid::gpu::kernels::{
 };
 use crate::rigid::gpu::past::Past;
 use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
-use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
+use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search, scales_of};
 use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, joints, loads_bytes, springs};
 use crate::rigid::joints::Joint;
 use crate::rigid::shape::Shape;
@@ -48,8 +48,7 @@ pub(crate) struct GpuWorld {
     /// Frames that are still solved with impacts. Without any, a block that is hit makes the frame begin anew, so that nothing depends
     /// on this number.
     stormy: u32,
-    /// Frames so far, and the substep of the impulses that are kept, in s.
-    frames: u32,
+    /// The substep of the impulses that are kept, in s.
     substep: f32,
     /// Pairs that are kept.
     kept: u32,
@@ -87,10 +86,9 @@ impl GpuWorld {
             backup: gpu.storage(u64::from(bodies) * size_of::<BodyRow>() as u64),
             counts: reading(COUNT_WORDS),
             report: reading(REPORT_WORDS),
-            row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::default() },
+            row: FrameRow { gravity: world.gravity.to_array(), bodies, ..FrameRow::of_periods(&world.periods) },
             left_over: LEAST_ROOM,
             stormy: 0,
-            frames: 0,
             substep: 0.0,
             kept: 0,
             assembly: Assembly::new(&mut frame.arrays, &search, Content::of(world)),
@@ -126,16 +124,15 @@ impl GpuWorld {
         if past.pairs.len() > self.assembly.room as usize {
             self.make_room(0, past.pairs.len() as u32)?;
         }
-        let scales: Vec<f32> = world.bodies.iter().map(|body| body.margin_scale).collect();
         let write = |binding: u32, bytes: &[u8]| self.gpu().queue.write_buffer(self.frame.arrays.get(binding), 0, bytes);
         write(BODIES, cast_slice(&rows.bodies));
         write(CONSTANTS, cast_slice(&rows.constants));
-        write(SCALES, cast_slice(&scales));
+        write(SCALES, cast_slice(&scales_of(world)));
         write(OLD_STARTS, cast_slice(&past.starts));
         write(OLD_PAIRS, cast_slice(&past.pairs));
         write(OLD_POINTS, cast_slice(&past.points));
         self.frame.joints.put(&self.frame.arrays, &world.joints.states);
-        (self.frames, self.substep, self.kept) = (world.history.frames, world.history.substep, past.pairs.len() as u32);
+        (self.substep, self.kept) = (world.history.substep, past.pairs.len() as u32);
         Ok(())
     }
 
@@ -199,26 +196,25 @@ impl GpuWorld {
     /// Finds the contacts of a frame. Where there is too little room, there will be more.
     fn search(&mut self, dt: f32, substeps: u32) -> Result<Counts, String> {
         let h = dt / substeps as f32;
-        let fresh = self.frames.is_multiple_of(1024);
         let scale = if self.substep > 0.0 && self.substep != h { h / self.substep } else { 1.0 };
         let mut soft = FrameRow::softness_of_both(h);
-        (soft[0][3], soft[1][3]) = (scale, f32::from(u8::from(fresh)));
+        soft[0][3] = scale;
         // The assembly does not know yet how many blocks there are.
         self.row = FrameRow { h, substeps, soft, blocks: self.assembly.room, ..self.row };
         self.put_row();
         self.search.set_dt(dt);
         loop {
-            let counts = self.find(fresh)?;
+            let counts = self.find()?;
             let [candidates, pairs] = self.search.rooms();
             if counts.candidates <= candidates && counts.pairs <= pairs {
-                return if fresh { self.colour(counts.waiting) } else { Ok(counts) };
+                return if counts.waiting > 0 { self.colour() } else { Ok(counts) };
             }
             self.make_room(counts.candidates, counts.pairs)?;
         }
     }
 
-    /// The search and the assembly. In a frame that gives all colours anew, the blocks are not yet in order.
-    fn find(&mut self, fresh: bool) -> Result<Counts, String> {
+    /// The search and the assembly. Where blocks still wait for a colour, they are not yet in their last order.
+    fn find(&mut self) -> Result<Counts, String> {
         let mut encoder = self.encoder();
         encoder.copy_buffer_to_buffer(self.frame.arrays.get(BODIES), 0, &self.backup, 0, self.backup.size());
         self.frame.joints.save(&self.frame.arrays, &mut encoder);
@@ -230,36 +226,28 @@ impl GpuWorld {
         self.encode(&mut encoder, |pass| {
             self.assembly.encode_blocks(arrays, pass);
             self.assembly.encode_rounds(arrays, pass, 0..ROUNDS);
-            if fresh {
-                self.assembly.encode_count(arrays, pass);
-            } else {
-                self.assembly.encode_order(arrays, pass);
-            }
+            self.assembly.encode_order(arrays, pass, false);
         });
         self.read_counts(encoder)
     }
 
     /// As many more rounds of colours as it takes, then the order that comes of them.
-    fn colour(&self, mut waiting: u32) -> Result<Counts, String> {
+    fn colour(&self) -> Result<Counts, String> {
         let arrays = &self.frame.arrays;
         let mut rounds = ROUNDS;
         loop {
-            let more = if waiting > 0 { (rounds + ROUNDS).min(MOST_ROUNDS) } else { rounds };
+            let more = (rounds + ROUNDS).min(MOST_ROUNDS);
             let mut encoder = self.encoder();
             encoder.clear_buffer(arrays.get(COUNTS), 4 * 8, Some(4));
             self.encode(&mut encoder, |pass| {
                 self.assembly.encode_rounds(arrays, pass, rounds..more);
-                if more == rounds {
-                    self.assembly.encode_order(arrays, pass);
-                } else {
-                    self.assembly.encode_count(arrays, pass);
-                }
+                self.assembly.encode_order(arrays, pass, more == MOST_ROUNDS);
             });
             let counts = self.read_counts(encoder)?;
-            if more == rounds {
+            if counts.waiting == 0 || more == MOST_ROUNDS {
                 return Ok(counts);
             }
-            (rounds, waiting) = (more, counts.waiting);
+            rounds = more;
         }
     }
 
@@ -308,7 +296,6 @@ impl GpuWorld {
             arrays.dispatch(pass, STORE, counts.pairs.max(self.row.bodies + 1), 0);
         });
         self.gpu().queue.submit([encoder.finish()]);
-        self.frames = self.frames.wrapping_add(1);
         (self.substep, self.kept) = (h, counts.pairs);
     }
 
@@ -372,16 +359,17 @@ impl GpuWorld {
     pub(crate) fn download(&self, world: &mut RigidWorld) -> Result<(), String> {
         let arrays = &self.frame.arrays;
         let rows: Vec<BodyRow> = arrays.read(BODIES, self.row.bodies)?;
-        let scales: Vec<f32> = arrays.read(SCALES, self.row.bodies)?;
-        for ((body, row), scale) in
-            world.bodies.iter_mut().zip(&rows).zip(scales).filter(|((body, _), _)| body.kind != Kind::World)
-        {
+        let scales: Vec<f32> = arrays.read(SCALES, 4 * self.row.bodies)?;
+        let (scales, periods) = scales.split_at(rows.len());
+        let states = world.bodies.iter_mut().zip(&rows).zip(scales).zip(periods.chunks_exact(3));
+        for (((body, row), scale), periods) in states.filter(|(((body, _), _), _)| body.kind != Kind::World) {
             body.pose.position = Vec3::from_array(row.position);
             body.pose.turn = Quat::from_array(row.turn);
             if body.inverse_mass > 0.0 && body.kind == Kind::Dynamic {
                 (body.velocity, body.spin, body.momentum) = (row.velocity.into(), row.spin.into(), row.momentum.into());
                 body.inverse_inertia = tensor(row);
-                body.margin_scale = scale;
+                body.margin_scale = *scale;
+                body.periods = Vec3::from_slice(periods).as_ivec3();
             }
         }
         world.joints.states = self.frame.joints.read(arrays)?;
@@ -399,7 +387,7 @@ impl GpuWorld {
             pairs: arrays.read(OLD_PAIRS, self.kept)?,
             points: arrays.read(OLD_POINTS, 4 * self.kept)?,
         };
-        world.history = past.history(self.frames, self.substep);
+        world.history = past.history(self.substep);
         Ok(())
     }
 }

@@ -36,15 +36,18 @@ impl<'a> Builder<'a> {
         let mut builder = Self { scene, world, owners, base, origins: Vec::new(), parts: Vec::new(), shapes: HashMap::new() };
         builder.world.gravity = scene.settings.gravity * scene.settings.gravity_direction;
         builder.world.least_to_come = builder.least_to_come();
+        builder.world.periods = builder.periods();
         builder.surfaces();
         builder.motions()?;
         builder.walls()?;
+        builder.repeat_walls();
         builder.spheres()?;
         for (number, body) in scene.whole_bodies().enumerate() {
             builder.body(number, &body)?;
         }
         builder.springs()?;
         builder.joints()?;
+        builder.world.take_into_box();
         Ok(builder)
     }
 

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::options::Options;
 use crate::scene::{RodId, Scene};
 use crate::simulation::frames::motions::turns_planes;
+use crate::simulation::frames::repeat::{leans, turns_across};
 
 fn refused(value: &str) -> Result<()> {
     let expected = "spheres, capsules, placed bodies, rods of fixed length, joints, springs, tethers, inlets, outlets, gauges, and \
@@ -35,7 +36,9 @@ pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<(
     let has = [
         (scene.motions().iter().any(|motion| motion.servo.is_some()), "a servo"),
         (turns_planes(scene), "a plane that turns"),
-        (scene.is_periodic(), "periodic boundaries"),
+        (scene.shear().is_some(), "a sheared box"),
+        (leans(scene), "a plane that leans towards a periodic axis"),
+        (turns_across(scene), "a motion that turns, but not about the periodic axis"),
         (!options.force_laws.is_empty(), "a force of the program"),
     ];
     if let Some((_, what)) = has.into_iter().find(|(has, _)| *has) {

@@ -24,6 +24,16 @@ impl OnDevice {
         Ok(Self { gpu: gpu.clone(), world, history_due: false })
     }
 
+    /// Takes over the states of all bodies and what is remembered of their contacts.
+    ///
+    /// # Errors
+    /// [`Error::Device`] when the device fails or has too little memory.
+    pub(super) fn put(&mut self, world: &RigidWorld) -> Result<()> {
+        self.history_due = false;
+        let own = &mut self.world;
+        catch(self.gpu.device(), || own.put(world, &bodies_alone(world)))?.map_err(Error::Device)
+    }
+
     /// Sets the states of the bodies from number 1 on, which have no mass.
     pub(super) fn drive(&self, bodies: &[Body]) {
         self.world.drive(bodies);

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 
 use super::Frames;
+use crate::rigid::periods::Periods;
 use crate::rigid::pose::Pose;
 use crate::rigid::world::Body;
 use crate::scene::{Motion, MotionId, Polygon, Scene, Surface};
@@ -25,21 +26,22 @@ fn spin_between(from: DQuat, to: DQuat, dt: f64) -> DVec3 {
 }
 
 /// Puts a kinematic body where its motion is, with the velocities that take it to where the motion will be after `dt` seconds. `base` is
-/// where the coordinates of the world begin.
-fn drive(body: &mut Body, motion: &Motion, [base, origin]: [DVec3; 2], time: f64, dt: f64) {
+/// where the coordinates of the world begin. In a periodic scene the displacement is that of the nearest image.
+fn drive(body: &mut Body, motion: &Motion, [base, origin]: [DVec3; 2], periods: &Periods, time: f64, dt: f64) {
     let ((from, turn), (to, next)) = (pose(motion, origin, time), pose(motion, origin, time + dt));
     let middle = motion.pose(time + 0.5 * dt).spin();
     let spin = if middle.length() * dt < LONG_TURN { spin_between(turn, next, dt) } else { middle };
-    body.pose = Pose::new((from - base).as_vec3(), turn.as_quat());
+    let image = periods.to_nearest_finely(from - origin);
+    body.pose = Pose::new((from + image - base).as_vec3(), turn.as_quat());
     (body.velocity, body.spin) = (((to - from) / dt).as_vec3(), spin.as_vec3());
 }
 
 impl Frames {
     /// Puts the walls that follow motions where they are at a time in s, with the velocities of a frame of `dt` seconds from there.
     pub(super) fn place_motions(&mut self, scene: &Scene, time: f64, dt: f32) {
-        let bodies = &mut self.world.bodies[1..];
+        let (bodies, periods) = (&mut self.world.bodies[1..], &self.world.periods);
         for ((body, motion), origin) in bodies.iter_mut().zip(scene.motions()).zip(&self.origins) {
-            drive(body, motion, [self.base, *origin], time, dt.into());
+            drive(body, motion, [self.base, *origin], periods, time, dt.into());
         }
     }
 

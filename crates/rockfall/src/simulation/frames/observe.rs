@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::Frames;
 use crate::error::Result;
-use crate::rigid::broad::{Aabb, pairs};
+use crate::rigid::broad::{Aabb, pairs_of_images};
 use crate::rigid::collide::{Point, collide};
 use crate::rigid::pose::Pose;
 use crate::scene::{Body as Part, Scene, Sphere};
@@ -36,6 +36,18 @@ impl Frames {
         self.world.bodies[collider.body as usize].pose.compose(&collider.place)
     }
 
+    /// What moves the second collider to its image nearest to the first one.
+    fn image(&self, colliders: [u32; 2]) -> Vec3 {
+        self.world.image(colliders.map(|collider| self.world.colliders[collider as usize].body))
+    }
+
+    /// The places of two colliders, the second one at its image nearest to the first one.
+    fn places(&self, colliders: [u32; 2]) -> [Pose; 2] {
+        let [place, mut other] = colliders.map(|collider| self.place(collider));
+        other.position += self.image(colliders);
+        [place, other]
+    }
+
     /// A point of the world in coordinates of the scene.
     fn in_scene(&self, point: Vec3) -> Vec3 {
         if self.base == DVec3::ZERO { point } else { (self.base + point.as_dvec3()).as_vec3() }
@@ -65,9 +77,11 @@ impl Frames {
                 && !apart.contains(a.body, b.body)
         };
         let mut found = Vec::new();
-        for (a, b) in pairs(&boxes, may_touch) {
-            let place = self.place(a);
-            let Some(manifold) = collide(shape(a), shape(b), &place.relative(&self.place(b)), reach(a) + reach(b)) else {
+        let has_image = |at: usize| world.bodies[world.colliders[at].body as usize].inverse_mass > 0.0;
+        let image = |a: usize, b: usize| self.image([a as u32, b as u32]);
+        for (a, b) in pairs_of_images(&boxes, &world.periods, has_image, image, may_touch) {
+            let [place, other] = self.places([a, b]);
+            let Some(manifold) = collide(shape(a), shape(b), &place.relative(&other), reach(a) + reach(b)) else {
                 continue;
             };
             let normal = place.turn * manifold.normal;
@@ -97,7 +111,7 @@ impl Frames {
         };
         let strike = |([a, b], impulse): ([u32; 2], f32)| {
             let shape = |collider: u32| &world.shapes[world.colliders[collider as usize].shape as usize];
-            let (place, other) = (self.place(a), self.place(b));
+            let [place, other] = self.places([a, b]);
             let reach = 2.0 * dt * (speed(a) + speed(b));
             let found = collide(shape(a), shape(b), &place.relative(&other), reach);
             let nearest = found.and_then(|manifold| {

@@ -17,10 +17,6 @@ const GROWTH: f32 = 0.15;
 const BUILD: f32 = 0.2;
 /// Finding one entry.
 const FIND: f32 = 0.04;
-/// Rebuilding an exact list, regardless of its length, and finding one of its entries: AABBs and cells are smaller.
-const BUILD_EXACT: f32 = 0.1;
-/// See [`BUILD_EXACT`].
-const FIND_EXACT: f32 = 0.017;
 /// Reading one entry in all stages of a step.
 const LOOK: f32 = 0.008;
 /// The same with a contact law with history, whose kernel is long: its threads wait longer for each other.
@@ -50,8 +46,6 @@ pub(in crate::simulation) struct ListFacts {
     pub(in crate::simulation) has_long_lists: bool,
     /// Whether the contact law has history.
     pub(in crate::simulation) has_history: bool,
-    /// Whether lists may be exact.
-    pub(in crate::simulation) may_be_exact: bool,
     pub(in crate::simulation) broad_phase: BroadPhase,
     /// Dispatches that rebuild lists or check whether to; 0 on the CPU.
     pub(in crate::simulation) dispatches: f32,
@@ -80,8 +74,7 @@ impl ListFacts {
         let wait = WAIT + used.builds * WAIT_TO_FIND;
         let on_device = DISPATCH * self.dispatches * used.chances + wait * used.words;
         let alone = if self.dispatches > 0.0 { on_device } else { 0.0 };
-        let (build, find) = if used.exact { (BUILD_EXACT, FIND_EXACT) } else { (BUILD, FIND) };
-        used.builds * (build + search + find * used.words)
+        used.builds * (BUILD + search + FIND * used.words)
             + if self.has_history { LOOK_OF_LAW } else { LOOK } * used.words
             + REJECTION * used.rejections
             + alone / self.movers
@@ -99,8 +92,6 @@ pub(super) struct Usage {
     pub(super) words: f32,
     /// Opportunities to rebuild lists per step.
     pub(super) chances: f32,
-    /// Whether lists were exact.
-    pub(super) exact: bool,
 }
 
 #[cfg(test)]
@@ -114,12 +105,11 @@ pub(super) mod tests {
         has_rods: false,
         has_long_lists: false,
         has_history: false,
-        may_be_exact: false,
         broad_phase: BroadPhase::Grid,
         dispatches: 0.0,
     };
     /// Lists that are rebuilt in every step.
-    pub(in super::super) const USED: Usage = Usage { builds: 1.0, rejections: 0.0, words: 10.0, chances: 1.0, exact: false };
+    pub(in super::super) const USED: Usage = Usage { builds: 1.0, rejections: 0.0, words: 10.0, chances: 1.0 };
 
     #[test]
     fn few_bodies_on_a_device_get_a_longer_lookahead() {

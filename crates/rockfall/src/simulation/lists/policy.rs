@@ -9,8 +9,6 @@ use crate::simulation::lists::trials::Trials;
 
 /// Number of steps after which the lookahead is reconsidered.
 const WINDOW: u64 = 32;
-/// The same in a trial of exact lists.
-const WINDOW_OF_EXACT: u64 = 8;
 /// Initial lookahead in steps for scenes with few movers on a device. Other scenes reach their lookahead by trials.
 const FEW_STEPS: f32 = 4.0;
 /// Longest interval, in steps.
@@ -86,14 +84,9 @@ impl ListPolicy {
         ListPlan { lookahead, interval: self.interval(), margin: self.margin, version: self.version }
     }
 
-    /// Whether lists are exact.
-    pub(in crate::simulation) fn is_exact(&self) -> bool {
-        self.trials.steps == 0.0
-    }
-
     /// Steps from one opportunity to rebuild lists to the next: the largest power of two that is not above the lookahead.
     fn interval(&self) -> u32 {
-        let most = if self.may_wait { self.trials.steps.max(1.0) as u32 } else { 1 };
+        let most = if self.may_wait { self.trials.steps as u32 } else { 1 };
         (1 << most.ilog2()).min(LONGEST)
     }
 
@@ -110,8 +103,7 @@ impl ListPolicy {
         }
         self.window.steps += u64::from(done);
         self.window.builds += status.builds.wrapping_sub(before.builds);
-        let length = if self.trials.changes_exactness() { WINDOW_OF_EXACT } else { WINDOW };
-        if self.window.steps >= length {
+        if self.window.steps >= WINDOW {
             let used = self.usage(words_of_rows(status.pair_rows_needed) as f32 / facts.movers);
             self.trials.next_window(facts, &used);
             self.restart();
@@ -139,9 +131,7 @@ impl ListPolicy {
         }
         self.window.rejections += 1;
         let interval = self.interval();
-        if self.is_exact() {
-            // The step is repeated with new lists, which have the pairs of all present positions.
-        } else if interval == 1 {
+        if interval == 1 {
             self.margin = margin_after_escape(self.margin, escape, attempts);
             // The window goes on, because the margin changes the number of rebuilds little.
             self.version = self.version.wrapping_add(1);
@@ -163,12 +153,6 @@ impl ListPolicy {
         shortens
     }
 
-    /// Ends exact lists where they cannot be used.
-    pub(in crate::simulation) fn end_exact(&mut self) {
-        self.trials = Trials::from_steps(1.0);
-        self.restart();
-    }
-
     fn retreat(&mut self, steps: f32) {
         self.trials.retreat(steps);
         self.restart();
@@ -186,9 +170,7 @@ impl ListPolicy {
             builds: builds as f32 / steps as f32,
             rejections: rejections as f32 / steps as f32,
             words,
-            // With exact lists, a step has two opportunities to rebuild.
-            chances: if self.is_exact() { 2.0 } else { 1.0 / self.interval() as f32 },
-            exact: self.is_exact(),
+            chances: 1.0 / self.interval() as f32,
         }
     }
 }
@@ -222,7 +204,7 @@ mod tests {
 
     /// The status after `steps` steps in which lists took 10 words per mover and lasted as long as they were built for.
     fn after(policy: &ListPolicy, steps: u32) -> Status {
-        let builds = steps as f32 / policy.trials.steps.max(1.0);
+        let builds = steps as f32 / policy.trials.steps;
         Status { steps, builds: builds as u32, pair_rows_needed: (10.0 * FEW.movers / 32.0) as u32, ..Status::default() }
     }
 
@@ -237,7 +219,7 @@ mod tests {
     #[test]
     fn the_interval_follows_from_the_lookahead() {
         let interval = |lookahead: f32| policy(lookahead).settings().interval;
-        assert_eq!([0.0, 1.0, 1.9, 2.0, 3.9, 4.0, 7.0, 8.0, 32.0].map(interval), [1, 1, 1, 2, 2, 4, 4, 8, 8]);
+        assert_eq!([1.0, 1.9, 2.0, 3.9, 4.0, 7.0, 8.0, 32.0].map(interval), [1, 1, 2, 2, 4, 4, 8, 8]);
         let mut every = policy(32.0);
         every.begin(false);
         assert_eq!(every.settings().interval, 1);
@@ -348,14 +330,5 @@ mod tests {
             assert_eq!(policy.settings().lookahead, expected);
         }
         assert!(!policy.overflowed(&rods, 100.0), "they are what one step needs");
-    }
-
-    #[test]
-    fn exact_lists_stay_where_bodies_leave_their_aabbs() {
-        let mut policy = policy(0.0);
-        (1..4).for_each(|attempts| policy.escaped(FAR, attempts));
-        assert!(policy.is_exact() && policy.margin == MIN_MARGIN);
-        policy.end_exact();
-        assert_eq!(policy.settings().lookahead, 1.0);
     }
 }

@@ -1,4 +1,4 @@
-//! Finds the lookahead by trials: for how many steps ahead lists are cheapest. 0 steps stand for exact lists.
+//! Finds the lookahead by trials: for how many steps ahead lists are cheapest.
 //!
 //! Lists for more steps are rebuilt more rarely, but they are longer and so cost more in every step. Which effect is stronger
 //! depends on how the bodies move. Lists hardly last while bodies fly about; nearly all lists last while bodies are at rest.
@@ -7,13 +7,6 @@ use crate::simulation::lists::cost::{ListFacts, Usage};
 
 /// Maximum number of steps ahead.
 const MOST: f32 = 32.0;
-/// Number of steps of a trial that follows exact lists. Lists for one or two steps are seldom cheaper than exact lists,
-/// even where lists for more steps are.
-const AFTER_EXACT: f32 = 4.0;
-/// If lists are rebuilt in more than this fraction of the steps, exact lists are tried before longer ones.
-const OFTEN: f32 = 0.8;
-/// Exact lists that were given up are tried again when the cost of a step exceeds [`Trials::exact_cost`] by this factor.
-const GROWN: f32 = 1.15;
 /// A trial is kept if it lowers the cost of a step to less than this fraction.
 const WORTH: f32 = 0.97;
 /// If lists are rebuilt more than this many times as often as intended, the lookahead becomes the number of steps that they
@@ -31,8 +24,6 @@ pub(super) struct Trials {
     factor: f32,
     /// Number of steps ahead before the current trial, and the cost of a step with it; `None` if no trial is under way.
     before: Option<(f32, f32)>,
-    /// Cost of a step with exact lists at the time when they were last given up; `None` if they never were.
-    exact_cost: Option<f32>,
     /// Windows until the next trial.
     wait: u32,
     /// Length of the next pause between trials, in windows.
@@ -42,51 +33,30 @@ pub(super) struct Trials {
 impl Trials {
     /// Starts with this number of steps.
     pub(super) fn from_steps(steps: f32) -> Self {
-        Self { steps, factor: 2.0, before: None, exact_cost: None, wait: 1, pause: 1 }
+        Self { steps, factor: 2.0, before: None, wait: 1, pause: 1 }
     }
 
     /// Chooses the number of steps for the next window. `used` describes a window with the current number.
     pub(super) fn next_window(&mut self, facts: &ListFacts, used: &Usage) {
         let cost = facts.cost(used);
         match self.before.take() {
-            // In a trial that follows exact lists, the cost decides instead.
-            before if used.builds * self.steps > SHORT_LIVED && before.is_none_or(|(steps, _)| steps > 0.0) => {
+            _ if used.builds * self.steps > SHORT_LIVED => {
                 self.steps = (1.0 / used.builds).max(1.0);
                 self.factor = 2.0;
                 self.rest();
             }
-            Some((steps, before)) if cost < WORTH * before => {
-                if steps == 0.0 {
-                    self.exact_cost = Some(before);
-                }
+            Some((_, before)) if cost < WORTH * before => {
                 self.pause = 1;
                 self.begin_trial(cost, facts, used);
             }
             Some((steps, _)) => {
-                if used.exact {
-                    self.exact_cost = Some(cost);
-                }
                 self.steps = steps;
                 self.factor = 1.0 / self.factor;
                 self.rest();
             }
-            None if self.exact_lists_may_pay(facts, used, cost) => {
-                (self.before, self.factor, self.steps) = (Some((self.steps, cost)), 0.5, 0.0);
-            }
             None if self.wait > 0 => self.wait -= 1,
             None => self.begin_trial(cost, facts, used),
         }
-    }
-
-    /// Whether exact lists are to be tried although no trial is due.
-    fn exact_lists_may_pay(&self, facts: &ListFacts, used: &Usage, cost: f32) -> bool {
-        facts.may_be_exact && !used.exact && self.exact_cost.is_some_and(|before| cost > GROWN * before)
-    }
-
-    /// Whether the current trial compares exact lists with lists that have a margin. Such a trial can be short: the costs differ by
-    /// much, and a trial of the wrong kind is expensive.
-    pub(super) fn changes_exactness(&self) -> bool {
-        self.before.is_some_and(|(steps, _)| (steps == 0.0) != (self.steps == 0.0))
     }
 
     /// Shortens the lookahead without a trial. If a trial of more steps is under way, it has failed, and the lookahead before it
@@ -105,19 +75,12 @@ impl Trials {
     }
 
     /// Number of steps of the next trial.
-    fn next(&self, may_be_exact: bool) -> f32 {
-        match self.factor > 1.0 {
-            true if self.steps == 0.0 => AFTER_EXACT,
-            false if self.steps == 0.0 || (self.steps == 1.0 && may_be_exact) => 0.0,
-            _ => (self.steps * self.factor).clamp(1.0, MOST),
-        }
+    fn next(&self) -> f32 {
+        (self.steps * self.factor).clamp(1.0, MOST)
     }
 
     fn begin_trial(&mut self, cost: f32, facts: &ListFacts, used: &Usage) {
-        if self.steps == 1.0 && self.pause == 1 && facts.may_be_exact && used.builds > OFTEN {
-            self.factor = 0.5;
-        }
-        let tried = self.next(facts.may_be_exact);
+        let tried = self.next();
         if tried == self.steps || (tried > self.steps && !facts.may_double(self.steps, used.words)) {
             // The limit is reached, so the next trial goes the other way.
             self.factor = 1.0 / self.factor;
@@ -190,29 +153,6 @@ mod tests {
     }
 
     #[test]
-    fn exact_lists_are_kept_while_lists_do_not_last() {
-        let facts = ListFacts { may_be_exact: true, ..MANY };
-        let exact = |builds: f32| Usage { builds, words: 6.0, exact: true, ..USED };
-        let fall = |steps: f32| if steps == 0.0 { exact(2.0) } else { Usage { words: 20.0 + 4.0 * steps, ..USED } };
-        let rest = |steps: f32| {
-            if steps == 0.0 { exact(1.0) } else { Usage { words: 10.0 + 0.02 * steps, builds: 1.0 / steps, ..USED } }
-        };
-        let mut trials = Trials::from_steps(1.0);
-        let falling = run(&mut trials, &facts, 200, &fall);
-        assert_eq!(falling[..2], [1.0, 0.0], "exact lists are the first trial");
-        assert!(share_at(&falling, 0.0) > 0.8, "{falling:?}");
-        let resting = run(&mut trials, &facts, 200, &rest);
-        assert!(share_at(&resting, 32.0) > 0.8, "{resting:?}");
-        // Where exact lists did not pay, they are tried again as soon as the other lists become longer.
-        let begin = |steps: f32| if steps == 0.0 { exact(2.0) } else { Usage { words: 3.0 + 3.0 * steps, ..USED } };
-        let mut trials = Trials::from_steps(1.0);
-        run(&mut trials, &facts, 100, &begin);
-        assert!(run(&mut trials, &facts, 2, &fall).contains(&0.0));
-        let never = run(&mut Trials::from_steps(1.0), &MANY, 200, &fall);
-        assert!(never.iter().all(|steps| *steps >= 1.0), "{never:?}");
-    }
-
-    #[test]
     fn a_retreat_ends_a_trial_of_more_steps() {
         let tried = |before: f32, steps: f32| Trials { before: Some((before, 1.0)), ..Trials::from_steps(steps) };
         let after = |mut trials: Trials, steps: f32| {
@@ -221,7 +161,6 @@ mod tests {
             trials.steps
         };
         assert_eq!(after(tried(4.0, 8.0), 2.0), 4.0);
-        assert_eq!(after(tried(0.0, 4.0), 2.0), 0.0, "exact lists return");
         assert_eq!(after(tried(16.0, 8.0), 4.0), 4.0, "a trial of fewer steps does not help");
         assert_eq!(after(Trials::from_steps(1.5), 0.75), 1.0);
     }

@@ -9,7 +9,7 @@
 //!
 //! with the unit u = r.
 //! In scenes with JKR cohesion, `neck` r is added, the distance at which contacts tear. So a contact keeps its list entries
-//! until it ends. A fixed sphere has no margin. For exact lists (`lookahead` is 0) the margin is 0.02 u. Where contacts that begin
+//! until it ends. A fixed sphere has no margin. Where contacts that begin
 //! and end within a step are handled (`FLAG_CONTINUOUS`), the first two terms are at least 1.001 (lead + 1) |v| dt + 0.02 u, so that
 //! the ball also holds the path of the last step.
 //!
@@ -41,7 +41,7 @@ use crate::model::step::{Aabb, Step};
 use crate::model::view::{Object, View};
 use crate::model::world::World;
 use crate::physics::smooth::unbounded;
-use crate::physics::travel::{EXACT_MARGIN, MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
+use crate::physics::travel::{MOST_OF_REPEAT, margin_for_escape, position_ahead, trail, travel_bound};
 use crate::physics::walls::{Reach, hull, hull_of_polygon};
 use crate::step::moves::{Moves, NONE};
 use crate::step::stage::{Stage, read, write};
@@ -122,7 +122,7 @@ fn grown(step: &Step, (min, max): (Vec3, Vec3)) -> (Vec3, Vec3) {
 /// Part of the margin of a step that is repeated, in units of the radius.
 fn repeat_margin(world: &World) -> f32 {
     let World { step, status, .. } = world;
-    if !status.has_only_escaped() || step.lists.list_interval != 1.0 || step.has_exact_lists() {
+    if !status.has_only_escaped() || step.lists.list_interval != 1.0 {
         return 0.0;
     }
     0.02 * margin_for_escape(f32::from_bits(status.escape_ratio)).min(MOST_OF_REPEAT)
@@ -144,7 +144,6 @@ fn margin(view: &View, repeat: f32, sphere: u32) -> f32 {
     let travel = if is_continuous { travel.max(trail(view.step, velocity, unit)) } else { travel };
     // What the images of two bodies slide in a step, and as much again where a face of the box is between a sphere and the centre of its AABB.
     let travel = travel + Periods::of(view.step).map_or(0.0, |periods| periods.slide_in(3.0 * view.step.constants.dt));
-    let exact = view.step.has_exact_lists();
-    let spare = if exact { EXACT_MARGIN } else { (view.step.lists.margin_scale - 1.0) * 0.02 };
+    let spare = (view.step.lists.margin_scale - 1.0) * 0.02;
     travel + (spare + repeat) * unit
 }

@@ -16,13 +16,13 @@ struct Hull {
 // Where lists may be rebuilt in every step, a step that a body left its AABB in is repeated with larger AABBs, in units of the
 // radius.
 fn repeat_margin() -> f32 {
-    let is_repeated = has_only_escaped(status.rejected) & (step.list_interval == 1.0) & !has_exact_lists();
+    let is_repeated = has_only_escaped(status.rejected) & (step.list_interval == 1.0);
     return select(0.0, 0.02 * min(1.25 * bitcast<f32>(status.escape_ratio) + 1.0, MOST_OF_REPEAT), is_repeated);
 }
 
 // Returns the distance that a sphere may move before its list is rebuilt. `unit` is its radius.
 fn margin(velocity: vec4f, unit: f32) -> f32 {
-    let spare = (select((step.margin_scale - 1.0) * 0.02, EXACT_MARGIN, has_exact_lists()) + repeat_margin()) * unit;
+    let spare = ((step.margin_scale - 1.0) * 0.02 + repeat_margin()) * unit;
     var travel = travel_bound(velocity, unit, step.lookahead);
     if CONTINUOUS {
         travel = max(travel, trail(velocity, unit));

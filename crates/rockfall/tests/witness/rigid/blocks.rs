@@ -165,12 +165,11 @@ impl Solver {
 
     /// Colours (section 11.6). The scenes have no left-over blocks.
     pub(crate) fn colour(&mut self, dt: f64) {
-        let fresh = self.frame.is_multiple_of(1024);
         let far: Vec<bool> = self.blocks.iter().map(|block| self.is_far(block, dt)).collect();
         let mut taken: HashMap<usize, Vec<u8>> = HashMap::new();
         let mut colours: Vec<Option<u8>> = vec![None; self.blocks.len()];
         let heavy = |bodies: [usize; 2]| bodies.into_iter().filter(|&k| self.bodies[k].has_mass);
-        for (at, block) in self.blocks.iter().enumerate().filter(|_| !fresh) {
+        for (at, block) in self.blocks.iter().enumerate() {
             let Some(&colour) = self.colours.get(&block.bodies).filter(|colour| **colour < 8) else { continue };
             if heavy(block.bodies).all(|k| !taken.entry(k).or_default().contains(&colour)) {
                 heavy(block.bodies).for_each(|k| taken.entry(k).or_default().push(colour));
@@ -185,7 +184,7 @@ impl Solver {
             let round = 1 + heavy(bodies).map(|k| rounds.get(&k).copied().unwrap_or(0)).max().unwrap_or(0);
             heavy(bodies).for_each(|k| _ = rounds.insert(k, round));
             let is_free = |colour: &u8| heavy(bodies).all(|k| taken.get(&k).is_none_or(|all| !all.contains(colour)));
-            let colour = (0..16).find(is_free).filter(|_| round <= if fresh { 255 } else { 16 });
+            let colour = (0..16).find(is_free).filter(|_| round <= 255);
             let colour = colour.expect("a scene without left-over blocks");
             heavy(bodies).for_each(|k| taken.entry(k).or_default().push(colour));
             colours[at] = Some(colour);

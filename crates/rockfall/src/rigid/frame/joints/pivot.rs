@@ -82,10 +82,12 @@ impl Pivot {
         let [end_a, end_b] = &joint.ends;
         let [a, b] = [end_a.body as usize, end_b.body as usize];
         let (pose_a, pose_b) = (&bodies.poses[a], &bodies.poses[b]);
-        let between = Vec3A::from(pose_b.position - pose_a.position);
         let [own, other] = [product(pose_a.turn, end_a.turn), product(pose_b.turn, end_b.turn)];
         let arm_b = Vec3A::from(rotated(pose_b.turn, end_b.place));
-        let arm_a = between + arm_b;
+        let anchor_a = Vec3A::from(rotated(pose_a.turn, end_a.place));
+        let between = Vec3A::from(pose_b.position - pose_a.position);
+        let image = Vec3A::from(bodies.periods.to_nearest((between + (arm_b - anchor_a)).into()));
+        let arm_a = between + arm_b + image;
         let relative = product(back(own), other);
         let sign = if relative.w < 0.0 { -1.0 } else { 1.0 };
         Self {
@@ -93,7 +95,7 @@ impl Pivot {
             mass_b: bodies.masses[b],
             arm_a,
             arm_b,
-            apart: arm_a - Vec3A::from(rotated(pose_a.turn, end_a.place)),
+            apart: arm_a - anchor_a,
             axes: Mat3A::from_quat(own),
             other: rotated(other, Vec3::X).into(),
             turned: Vec3A::new(relative.x, relative.y, relative.z) * (2.0 * sign),

@@ -31,9 +31,6 @@ const MAX_HULL_RATIO: f32 = 5.0;
 /// along x is one span of memory, and narrower cells make the ends of the span fit more closely.
 const CELL_SHAPE: Vec4 = Vec4::new(0.5, 1.0, 1.0, 1.0);
 
-/// Size of cells for exact lists, as a part of the usual size. AABBs hardly have a margin then, so smaller cells hold them.
-const EXACT_CELL: f32 = 0.75;
-
 /// A level of the grid: cells of one size.
 #[derive(Clone, Copy, Debug)]
 struct Level {
@@ -415,8 +412,7 @@ impl Block {
 
 impl Level {
     fn new(step: &Step, number: u32) -> Self {
-        let usual = if step.has_exact_lists() { EXACT_CELL * step.layout.cell_size } else { step.layout.cell_size };
-        let size = usual * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
+        let size = step.layout.cell_size * 2f32.powi(number as i32 - LEVEL_BIAS as i32);
         Self { number, size, edge: size, farthest: f32::INFINITY }
     }
 

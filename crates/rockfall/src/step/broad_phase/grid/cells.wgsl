@@ -22,12 +22,9 @@ fn are_statics_tested_apart() -> bool {
 // Edges of a cell, in units of the cell size of its level.
 const CELL_SHAPE: vec3f = vec3f(0.5, 1.0, 1.0);
 
-// Size of cells for exact lists, as a part of the usual size. AABBs hardly have a margin then, so smaller cells hold them.
-const EXACT_CELL: f32 = 0.75;
-
 // The size of cells on a level.
 fn cell_size(level: u32) -> f32 {
-    return ldexp(step.cell_size * select(1.0, EXACT_CELL, has_exact_lists()), i32(level) - i32(LEVEL_BIAS));
+    return ldexp(step.cell_size, i32(level) - i32(LEVEL_BIAS));
 }
 
 fn largest_edge(aabb: Aabb) -> f32 {
