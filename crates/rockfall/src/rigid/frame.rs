@@ -178,7 +178,7 @@ impl<'a> Frame<'a> {
         self.joints.pass(&mut self.bodies, &self.biased);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
-        self.bodies.drift(self.h, self.world.gravity.into());
+        self.bodies.drift(self.h);
         self.refresh();
         self.joints.pass(&mut self.bodies, &self.relax);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);

@@ -18,14 +18,17 @@ mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
 mod facets;
+mod grips;
 mod joints;
 mod keep;
+mod loads;
 mod motions;
 pub(crate) mod observe;
 mod predict;
 mod springs;
 mod walls;
 
+pub use grips::Grip;
 pub use joints::JointReading;
 pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
@@ -59,6 +62,8 @@ pub(in crate::simulation) struct Frames {
     joints: Vec<JointId>,
     /// Substeps of a frame; 0 before the first frame.
     substeps: u32,
+    /// What a grip has changed.
+    pulled: grips::Pulled,
     device: Device,
 }
 
@@ -79,7 +84,8 @@ impl Frames {
         let base = base.unwrap_or_else(|| build::base_of(scene));
         let build::Builder { world, owners, origins, parts, .. } = build::Builder::build(scene, base)?;
         let (handles, joints) = (BodyHandles::of(scene), scene.joint_ids().collect());
-        Ok(Self { world, owners, base, origins, parts, handles, joints, substeps: 0, device: None })
+        let pulled = Vec::new();
+        Ok(Self { world, owners, base, origins, parts, handles, joints, substeps: 0, pulled, device: None })
     }
 
     /// What a checkpoint keeps beside the scene: where coordinates begin, the substeps, and of each body its place, its spin and the
@@ -256,6 +262,9 @@ impl Simulation {
         if std::mem::take(&mut self.drives_due) {
             frames.set_drives(&self.scene);
         }
+        if std::mem::take(&mut self.loads_due) {
+            frames.set_loads(&self.scene);
+        }
         #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
         if let (None, Some(gpu)) = (&frames.device, self.engine.frame_device()) {
             frames.device = Some(Box::new(device::OnDevice::new(gpu, &frames.world)?));
@@ -270,6 +279,7 @@ impl Simulation {
         for _ in 0..count {
             frames.drive(&self.scene, self.muscle_clock.written_time(), dt);
             frames.set_muscles(&self.scene, &self.muscle_clock);
+            self.pull_in(&mut frames)?;
             let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
                 failed = Some(frames.first_sphere(first, &self.scene));
@@ -351,6 +361,7 @@ impl Simulation {
     pub(in crate::simulation) fn put_frames(&mut self, frames: Option<Box<Frames>>) {
         self.frames_due = frames.is_none();
         self.frames = frames;
+        self.pulls = None;
     }
 
     fn book_frame(&mut self, frame: FrameReport) {

@@ -20,6 +20,7 @@ mod gauges;
 mod hard;
 mod hard_far;
 mod hard_flow;
+mod hard_forces;
 mod hard_joints;
 mod hard_mechanisms;
 mod hard_motions;

@@ -14,7 +14,7 @@ use crate::rigid::gpu::kernels::{
     SUM_UP, SURFACES, WIDEN,
 };
 use crate::rigid::gpu::past::Past;
-use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
+use crate::rigid::gpu::rows::{BodyRow, ConstantRow, FrameRow, FrameRows};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search};
 use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, joints, loads_bytes, springs};
 use crate::rigid::joints::Joint;
@@ -154,6 +154,12 @@ impl GpuWorld {
     /// Takes over the drives of the next frame. The joints are those of the start.
     pub(crate) fn set_drives(&self, joints: &[Joint]) {
         self.frame.joints.set_drives(&self.frame.arrays, joints);
+    }
+
+    /// Takes over the external forces and torques of the bodies in the rows of their constants.
+    pub(crate) fn set_loads(&self, constants: &[ConstantRow]) {
+        self.gpu().queue.write_buffer(self.frame.arrays.get(CONSTANTS), 0, cast_slice(constants));
+        self.frame.springs.set_bases(&self.frame.arrays, constants);
     }
 
     fn gpu(&self) -> &Arc<RigidGpu> {

@@ -39,6 +39,11 @@ impl OnDevice {
         self.world.set_drives(&world.joints.list);
     }
 
+    /// Takes over the external forces and torques of the bodies.
+    pub(super) fn set_loads(&self, world: &RigidWorld) {
+        self.world.set_loads(&bodies_alone(world).constants);
+    }
+
     /// Advances all bodies by a frame.
     pub(super) fn advance(&mut self, dt: f32, substeps: u32, keeps_going: bool) -> Result<FrameReport> {
         let world = &mut self.world;
