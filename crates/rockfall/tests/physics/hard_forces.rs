@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
+use rockfall::glam::{DVec3, Vec3};
 use rockfall::{Backend, Error, Options, RigidBodyId, Scene, Simulation};
 
 const FRAME: f32 = 1.0 / 60.0;

@@ -21,6 +21,7 @@ mod hard;
 mod hard_far;
 mod hard_flow;
 mod hard_forces;
+mod hard_grips;
 mod hard_joints;
 mod hard_mechanisms;
 mod hard_motions;
