@@ -13,6 +13,7 @@
 //! | [`springs`], [`spring_bound`] | springs, tethers and muscles, and the substep that they bound |
 //! | [`joints`] | joints, their drives and colours |
 //! | [`grip`] | the force on a point that is pulled |
+//! | [`laws`] | forces of the program |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
 
@@ -29,6 +30,7 @@ pub(crate) mod grip;
 pub(crate) mod groups;
 pub(crate) mod history;
 pub(crate) mod joints;
+pub(crate) mod laws;
 pub(crate) mod pose;
 pub(crate) mod shape;
 pub(crate) mod spring_bound;

@@ -325,7 +325,7 @@ impl Simulation {
     fn check_contact_law(&self) -> Result<()> {
         check_contact_law(&self.scene, self.integrator(), self.options.contact_force_law.as_ref())?;
         if self.scene.is_rigid() {
-            frames::check::check(&self.scene, &self.options)?;
+            frames::check::check(&self.scene)?;
         }
         self.engine.check_frames(self.scene.is_rigid())
     }
@@ -483,7 +483,7 @@ fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     if scene.is_rigid() {
-        frames::check::check(scene, options)?;
+        frames::check::check(scene)?;
         frames::check::check_rods(scene)?;
     }
     if scene.is_periodic() && options.broad_phase == BroadPhase::SortAndSkip {

@@ -5,6 +5,7 @@ use glam::{Mat3, Quat, Vec3};
 use crate::rigid::groups::GroupWords;
 use crate::rigid::history::History;
 use crate::rigid::joints::Joints;
+use crate::rigid::laws::Laws;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
 use crate::rigid::springs::Springs;
@@ -91,6 +92,7 @@ pub(crate) struct RigidWorld {
     pub(crate) materials: usize,
     pub(crate) springs: Springs,
     pub(crate) joints: Joints,
+    pub(crate) laws: Laws,
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,
     /// The least edge or diameter of bodies that are still to come, in units.

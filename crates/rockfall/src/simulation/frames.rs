@@ -265,6 +265,7 @@ impl Simulation {
         if std::mem::take(&mut self.loads_due) {
             frames.set_loads(&self.scene);
         }
+        frames.set_laws(&self.world.user_laws.forces);
         #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
         if let (None, Some(gpu)) = (&frames.device, self.engine.frame_device()) {
             frames.device = Some(Box::new(device::OnDevice::new(gpu, &frames.world)?));
@@ -279,6 +280,7 @@ impl Simulation {
         for _ in 0..count {
             frames.drive(&self.scene, self.muscle_clock.written_time(), dt);
             frames.set_muscles(&self.scene, &self.muscle_clock);
+            frames.set_law_time(self.muscle_clock.time());
             self.pull_in(&mut frames)?;
             let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rockfall::glam::{DVec3, Vec3};
-use rockfall::{Backend, Error, Options, RigidBodyId, Scene, Simulation};
+use rockfall::{Backend, Error, Meter, Options, RigidBodyId, Scene, Simulation};
 
 const FRAME: f32 = 1.0 / 60.0;
 /// A box of the mass 2 with the moments of inertia 1, 2 and 3 about its centre.
@@ -31,6 +31,8 @@ both! {
     a_force_at_a_point_turns_the_body,
     a_resumed_run_has_the_same_force,
     a_force_between_springs_is_felt,
+    a_box_that_slides_to_rest_loses_its_kinetic_energy,
+    a_ball_that_bounces_loses_what_its_restitution_says,
 }
 
 /// x = F t^2 / 2 m, from the scene and from the program, to the last digits: rows change nothing.
@@ -154,4 +156,45 @@ fn forces_that_nothing_feels_are_refused() {
     let body = simulation.scene().body_ids().next().expect("a body");
     let error = simulation.set_body_torque(body, [f32::NAN, 0.0, 0.0]).expect_err("not finite");
     assert!(error.to_string().contains("body.torque"), "{error}");
+}
+
+/// What contacts have taken since the start, which nothing else takes or gives.
+fn dissipated(simulation: &mut Simulation, seconds: f32) -> f64 {
+    assert!(Meter::knows_dissipation(simulation.scene()));
+    let before = simulation.energy().expect("energies").total();
+    simulation.run((seconds / FRAME).round() as u64, FRAME).expect("some frames");
+    before - simulation.energy().expect("energies").total()
+}
+
+const FLOOR: &str = "set contact_law rigid\nset gravity 9.81\nB -20 -1 -9  40 0 0  0 1 0  0 0 18\n";
+
+/// m v^2 / 2 of friction.
+fn a_box_that_slides_to_rest_loses_its_kinetic_energy(backend: Backend) {
+    let scene = parse(&format!("{FLOOR}{BOX}@place box at=-5,0.5,0 velocity=4,0,0\n")).expect("a valid scene");
+    let mut simulation = Simulation::with_options(scene, Options::new().backend(backend)).expect("it opens");
+    let lost = dissipated(&mut simulation, 3.0);
+    assert!((lost / 16.0 - 1.0).abs() < 2e-3, "{lost}");
+    assert!(simulation.scene().bodies()[0].velocity.length() < 1e-3);
+}
+
+/// (1 - e^2) m v^2 / 2 at the first bounce.
+fn a_ball_that_bounces_loses_what_its_restitution_says(backend: Backend) {
+    let text = format!("{FLOOR}set restitution 0.6\nS 1  0 2.3 0  0 0 0  0 0 0  2 0.3\n");
+    let mut simulation = Simulation::with_options(parse(&text).expect("a valid scene"), Options::new().backend(backend)).expect("it opens");
+    // It falls for 0.64 s and is in the air again.
+    let lost = dissipated(&mut simulation, 0.75);
+    let expected = (1.0 - 0.36) * 2.0 * 9.81 * 2.0;
+    assert!((lost / expected - 1.0).abs() < 1e-3, "{lost} {expected}");
+}
+
+/// What moves bodies does work that nobody counts.
+#[test]
+fn dissipation_is_unknown_where_something_drives_bodies() {
+    let knows = |text: &str| Meter::knows_dissipation(&scene(text));
+    assert!(knows("@place box at=0,0,0\n"));
+    let motion = "@motion lift velocity=0,1,0\n@move lift\nB -1 -3 -1  2 0 0  0 1 0  0 0 2\n@move -\n@place box at=0,0,0\n";
+    for text in ["@place box at=0,0,0 force=1,0,0\n", "@place box at=0,0,0\n@joint hinge world 1 at=0,0,0 axis=0,0,1 speed=1 torque=2\n", motion] {
+        let text = text.replace("world 1", "world box").replace("at=0,0,0\n@joint", "at=0,0,0 name=box\n@joint");
+        assert!(!knows(&text), "{text}");
+    }
 }

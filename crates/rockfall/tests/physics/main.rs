@@ -23,6 +23,7 @@ mod hard_flow;
 mod hard_forces;
 mod hard_grips;
 mod hard_joints;
+mod hard_laws;
 mod hard_mechanisms;
 mod hard_motions;
 mod hard_samples;

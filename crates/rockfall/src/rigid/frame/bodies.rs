@@ -121,6 +121,9 @@ impl Bodies {
         for body in world.springs.list.iter().flat_map(|spring| spring.bodies).chain(ends_of_joints) {
             all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
         }
+        if !world.laws.is_empty() {
+            all.constants.iter_mut().for_each(|fixed| fixed.sprung = fixed.dynamic);
+        }
         all.before.clone_from(&all.motions);
         all
     }

@@ -27,7 +27,9 @@ impl OnDevice {
     /// Uploads the springs of a world. `constants` are the rows of its bodies.
     pub(super) fn new(arrays: &mut Arrays, springs: &Springs, constants: &[ConstantRow]) -> Self {
         let has_mass = |body: &u32| constants[*body as usize].acceleration[3] != 0.0;
-        let mut bodies: Vec<u32> = springs.list.iter().flat_map(|spring| spring.bodies).filter(has_mass).collect();
+        // Forces of the program act on all bodies.
+        let all = arrays.laws.iter().flat_map(|_| 0..constants.len() as u32);
+        let mut bodies: Vec<u32> = springs.list.iter().flat_map(|spring| spring.bodies).chain(all).filter(has_mass).collect();
         bodies.sort_unstable();
         bodies.dedup();
         if bodies.is_empty() {

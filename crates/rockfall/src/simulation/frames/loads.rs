@@ -7,6 +7,7 @@ use crate::error::Result;
 use crate::scene::{RigidBody, RigidBodyId, Scene, WholeBody, finite};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
+use crate::user_laws::forces::ForceLaws;
 
 /// The sum of the external forces on the spheres of a body, and their torque about its centre of mass.
 pub(super) fn loads_of_spheres(scene: &Scene, whole: &WholeBody<'_>) -> [Vec3; 2] {
@@ -35,6 +36,26 @@ impl Frames {
             }
         }
         self.upload_loads();
+    }
+
+    /// Takes over the forces of the program. Those of a device are those of its start.
+    pub(super) fn set_laws(&mut self, forces: &ForceLaws) {
+        let laws = &mut self.world.laws;
+        if self.device.is_none() {
+            (laws.forces, laws.base) = (forces.clone(), self.base.as_vec3().into());
+        }
+    }
+
+    /// Sets the time at the start of the next frame for the forces of the program, in s.
+    pub(super) fn set_law_time(&mut self, time: f64) {
+        if self.world.laws.is_empty() {
+            return;
+        }
+        self.world.laws.time = time as f32;
+        #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
+        if let Some(device) = &self.device {
+            device.set_law_time(self.world.laws.time);
+        }
     }
 
     /// Gives the external forces and torques of all bodies to the device.
