@@ -1,6 +1,6 @@
 //! Shapes and rigid bodies.
 
-use numpy::PyArray1;
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use rockfall::glam::Vec3;
@@ -174,6 +174,8 @@ pub(crate) fn put(body: &mut RigidBody, field: &str, rows: &[f32], row: usize) {
         "orientation" => body.orientation = quaternion(rows, row),
         "velocity" => body.velocity = vector(rows, row),
         "angular_momentum" => body.angular_momentum = vector(rows, row),
+        "force" => body.force = vector(rows, row),
+        "torque" => body.torque = vector(rows, row),
         _ => {}
     }
 }
@@ -202,6 +204,47 @@ pub(crate) fn set_bodies(target: &Bound<'_, PyAny>, numbers: Numbers<'_>, fields
     })
 }
 
+/// Applies impulses at points of bodies, or adds forces there. Without points they act at the centres of mass. Nothing changes if a row
+/// is wrong.
+#[pyfunction]
+pub(crate) fn push_bodies(
+    target: &Bound<'_, PyAny>,
+    what: &str,
+    numbers: Numbers<'_>,
+    rows: Rows<'_>,
+    points: Option<PyReadonlyArray1<'_, f64>>,
+) -> PyResult<()> {
+    let (numbers, rows) = (numbers.as_slice()?, rows.as_slice()?);
+    let points = points.as_ref().map(|points| points.as_slice()).transpose()?;
+    check(numbers.len(), &[rows.len() / 3, points.map_or(numbers.len(), |points| points.len() / 3)])?;
+    if let Some(row) = points.and_then(|points| points.iter().position(|number| !number.is_finite())) {
+        return Err(PyValueError::new_err(format!("points: expected finite numbers, got another one in row {}", row / 3)));
+    }
+    let is_impulse = what == "impulse";
+    with_states(target, |doors, ids| {
+        let handles: Vec<_> = numbers.iter().map(|id| handle(&ids.bodies, "body", *id)).collect::<PyResult<_>>()?;
+        let before = handles.iter().map(|id| doors.objects().body(*id).cloned()).collect::<rockfall::Result<Vec<_>>>();
+        let before = before.or_raise()?;
+        for (k, id) in handles.iter().enumerate() {
+            let centre = doors.objects().body(*id).or_raise()?.centre();
+            let point = points.map_or(centre, |points| std::array::from_fn(|axis| points[3 * k + axis]));
+            let row = vector(rows, k);
+            let pushed = if is_impulse {
+                doors.apply_body_impulse(*id, row, point.into())
+            } else {
+                doors.add_body_force(*id, row, point.into())
+            };
+            if let Err(error) = pushed {
+                for (id, before) in handles[..k].iter().zip(&before).rev() {
+                    doors.update_body(*id, &|body: &mut RigidBody| *body = before.clone()).or_raise()?;
+                }
+                return Err(PyValueError::new_err(format!("row {k}: {error}")));
+            }
+        }
+        Ok(())
+    })
+}
+
 /// A field of the state of all bodies, in order of addition: 4 numbers per body for orientations w, x, y, z, otherwise 3.
 #[pyfunction]
 pub(crate) fn body_states<'py>(target: &Bound<'py, PyAny>, field: &str) -> PyResult<Bound<'py, PyArray1<f32>>> {
@@ -212,6 +255,8 @@ pub(crate) fn body_states<'py>(target: &Bound<'py, PyAny>, field: &str) -> PyRes
             "position" => of(|body| body.position),
             "velocity" => of(|body| body.velocity),
             "angular_momentum" => of(|body| body.angular_momentum),
+            "force" => of(|body| body.force),
+            "torque" => of(|body| body.torque),
             "orientation" => bodies.iter().map(|body| body.orientation).flat_map(|q| [q.w, q.x, q.y, q.z]).collect(),
             _ => return Err(PyValueError::new_err(format!("field: {field} is not a field of a rigid body"))),
         })

@@ -4,7 +4,7 @@ use std::sync::PoisonError;
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use rockfall::glam::Vec3;
+use rockfall::glam::{DVec3, Vec3};
 use rockfall::{
     BoxId, Capsule, CapsuleId, Cuboid, Facets, Gauge, Inlet, Joint, JointId, Material, MaterialId, Mesh, Motion, MotionId,
     ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Result, RigidBody, RigidBodyId, Rod, RodId, Sensor, Settings, Shape,
@@ -70,6 +70,8 @@ doors! {
     add_body(placement: Placement) -> RigidBodyId;
     add_static_body(placement: Placement, motion: Option<MotionId>) -> Vec<ObjectId>;
     update_body(id: RigidBodyId, change: Change<RigidBody>) -> ();
+    apply_body_impulse(id: RigidBodyId, impulse: Vec3, point: DVec3) -> ();
+    add_body_force(id: RigidBodyId, force: Vec3, point: DVec3) -> ();
     add_spring(spring: Spring) -> SpringId;
     add_tether(tether: Tether) -> TetherId;
     add_box(cuboid: Cuboid) -> BoxId;

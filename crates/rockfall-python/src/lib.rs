@@ -47,7 +47,7 @@ mod _rockfall {
     use super::{Bound, PyModule, PyModuleMethods, PyResult};
 
     #[pymodule_export]
-    use crate::bodies::{add_bodies, add_shape, add_static_body, body_states, set_bodies, shape_mass};
+    use crate::bodies::{add_bodies, add_shape, add_static_body, body_states, push_bodies, set_bodies, shape_mass};
     #[pymodule_export]
     use crate::doors::{get_setting, set_setting};
     #[pymodule_export]

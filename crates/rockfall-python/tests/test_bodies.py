@@ -94,3 +94,47 @@ def test_groups_meet_those_of_their_list() -> None:
         scene.set_group_meets(-1, [0])
     with pytest.raises(ValueError, match="group.meets: 40 groups is not allowed"):
         scene.set_group_meets(2, range(40))
+
+
+def floating(count: int = 3) -> rf.Simulation:
+    """Boxes of the mass 2 without gravity."""
+    scene = rf.Scene()
+    scene.settings.update(gravity=0.0, contact_law="rigid")
+    shape = scene.add_shape(rf.Shape(mass=2).box([-0.5, -0.5, -0.5], [0.5, 0.5, 0.5]))
+    scene.add_bodies(shape, [[0, 5 * k, 0] for k in range(count)])
+    scene.set_bodies(0, forces=[0, 0, 1])
+    return rf.Simulation(scene, backend="cpu")
+
+
+def test_forces_and_torques_act_until_they_are_changed() -> None:
+    sim = floating()
+    np.testing.assert_array_equal(sim.bodies.forces, [[0, 0, 1], [0, 0, 0], [0, 0, 0]])
+    numbers, forces = np.arange(3), np.float32([[2, 0, 0], [0, 4, 0], [0, 0, 0]])
+    sim.set_bodies(numbers, forces=forces, torques=[0, 0.5, 0])
+    sim.run(60)
+    np.testing.assert_allclose(sim.bodies.velocities, forces / 2, rtol=1e-5)
+    np.testing.assert_allclose(sim.bodies.positions[0], [0.5, 0, 0], atol=1e-5)
+    np.testing.assert_allclose(sim.bodies.angular_momenta, np.tile([0, 0.5, 0], (3, 1)), rtol=1e-5)
+    sim.set_bodies(numbers, forces=0 * forces, torques=[0, 0, 0])
+    sim.run(60)
+    np.testing.assert_allclose(sim.bodies.velocities, forces / 2, rtol=1e-5)
+    assert not sim.bodies.torques.any()
+    with pytest.raises(ValueError, match="forces"):
+        sim.set_bodies(numbers, forces=[[1, 0, np.nan]] * 3)
+
+
+def test_impulses_and_forces_act_at_points() -> None:
+    sim = floating()
+    sim.apply_body_impulses([0, 1], [[0, 0, 4], [0, 0, 2]], [[0.5, 0, 0], [0, 5, 0]])
+    np.testing.assert_allclose(sim.bodies.velocities, [[0, 0, 2], [0, 0, 1], [0, 0, 0]])
+    np.testing.assert_allclose(sim.bodies.angular_momenta, [[0, -2, 0], [0, 0, 0], [0, 0, 0]])
+    sim.apply_body_impulses(2, [2, 0, 0])
+    np.testing.assert_allclose(sim.bodies.velocities[2], [1, 0, 0])
+    sim.add_body_forces([0, 0], [[0, 0, 3], [0, 1, 0]], [[0.5, 0, 0], [0, 0, 1]])
+    np.testing.assert_allclose(sim.bodies.forces[0], [0, 1, 4])
+    np.testing.assert_allclose(sim.bodies.torques[0], [-1, -1.5, 0])
+    with pytest.raises(LookupError):
+        sim.apply_body_impulses(3, [1, 0, 0])
+    with pytest.raises(ValueError, match="points"):
+        sim.apply_body_impulses([0, 1], [1, 0, 0], [[0, 0, 0], [0, np.inf, 0]])
+    np.testing.assert_allclose(sim.bodies.velocities[0], [0, 0, 2])

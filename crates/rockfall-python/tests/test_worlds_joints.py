@@ -98,6 +98,20 @@ def test_a_force_and_a_torque_act_as_newton_says() -> None:
     np.testing.assert_allclose(turning.joints.speeds[:, 0], np.array([4.0, -2.0]) / inertia * 0.25, rtol=5e-3)
 
 
+def test_forces_on_bodies_act_until_they_are_changed() -> None:
+    worlds = worlds_of(sled(), 4)
+    worlds.set_bodies([1, 3], forces=[[[1.0, 0, 0]], [[2.0, 0, 0]]], torques=[[0.0, 0, 0]])
+    np.testing.assert_array_equal(worlds.bodies.forces[:, 0, 0], [0, 1, 0, 2])
+    worlds.run(12)
+    speeds = worlds.joints.speeds[:, 0]
+    assert speeds[1] > 0 and not speeds[[0, 2]].any()
+    np.testing.assert_allclose(speeds[3], 2 * speeds[1], rtol=1e-4)
+    worlds.set_bodies(forces=[[0.0, 0, 0]])
+    assert not worlds.bodies.forces.any()
+    worlds.run(12)
+    np.testing.assert_allclose(worlds.joints.speeds[:, 0], speeds, rtol=1e-3)
+
+
 def test_places_of_joints_are_those_that_are_read() -> None:
     worlds = worlds_of(arm())
     random = np.random.default_rng(1)

@@ -1,12 +1,12 @@
 //! Bodies that are held, dragged and thrown.
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, SphereId};
+use rockfall::{Body, ContactLaw, SphereId};
 use rockfall_viewer::grasp::{anchor, connected, first_visible, free_place, holding_tether, nearer_end, reach, thrown as ball};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
-use crate::simulation::{Held, Simulation};
+use crate::simulation::{Held, Simulation, Tied};
 
 #[wasm_bindgen]
 impl Simulation {
@@ -28,25 +28,41 @@ impl Simulation {
         if sphere.fixed {
             return Ok(None);
         }
+        if scene.contact_law() == ContactLaw::Rigid {
+            let Some(grip) = self.inner.grip(hit.body, hit.point).map_err(thrown)? else { return Ok(None) };
+            self.inner.pull_grip(&grip, hit.point).map_err(thrown)?;
+            self.held = Some(Held::Grip(grip));
+            return Ok(Some(hit.point.to_array().to_vec()));
+        }
         let connected = connected(scene, id).len();
         let tether = holding_tether(scene, id, &sphere, self.inner.time_step());
         let tether = self.inner.add_tether(tether).map_err(thrown)?;
-        self.held = Some(Held { sphere: id, tether, connected, goal: sphere.position, offset: sphere.position - hit.point });
+        let offset = sphere.position - hit.point;
+        self.held = Some(Held::Tether(Tied { sphere: id, tether, connected, goal: sphere.position, offset }));
         Ok(Some(hit.point.to_array().to_vec()))
     }
 
     /// Drags the held body, if any, so that the grabbed point moves to x, y, z in units during the next steps.
     pub fn drag(&mut self, x: f32, y: f32, z: f32) -> Result<(), JsValue> {
-        if let Some(held) = &mut self.held {
-            held.goal = Vec3::new(x, y, z) + held.offset;
+        let pointer = Vec3::new(x, y, z);
+        match &mut self.held {
+            Some(Held::Tether(held)) => held.goal = pointer + held.offset,
+            Some(Held::Grip(grip)) => self.inner.pull_grip(grip, pointer).map_err(thrown)?,
+            None => (),
         }
         Ok(())
     }
 
     /// Releases the held body, if any.
     pub fn release(&mut self) -> Result<(), JsValue> {
-        let Some(held) = self.held.take() else { return Ok(()) };
-        self.inner.remove_tether(held.tether).map_err(thrown)
+        match self.held.take() {
+            Some(Held::Tether(held)) => self.inner.remove_tether(held.tether).map_err(thrown),
+            Some(Held::Grip(_)) => {
+                self.inner.release_grip();
+                Ok(())
+            }
+            None => Ok(()),
+        }
     }
 
     /// Adds a sphere of the mean size and density of the scene at x, y, z in units, with the velocity vx, vy, vz in units/s.
@@ -66,7 +82,7 @@ impl Simulation {
 impl Simulation {
     /// Moves the point of the tether of the held body, if any, towards its goal, as far as its force may grow.
     pub(crate) async fn pull(&mut self) -> Result<(), JsValue> {
-        let Some(Held { sphere, tether, connected, goal, .. }) = self.held else { return Ok(()) };
+        let Some(Held::Tether(Tied { sphere, tether, connected, goal, .. })) = self.held else { return Ok(()) };
         let scene = self.inner.sync_async().await.map_err(thrown)?;
         let sphere = scene.sphere(sphere).map_err(thrown)?;
         let point = anchor(sphere, goal, reach(scene, sphere, connected));

@@ -1,7 +1,7 @@
 //! Simulations.
 
 use rockfall::glam::Vec3;
-use rockfall::{Backend, Options, SphereId, TetherId};
+use rockfall::{Backend, Grip, Options, SphereId, TetherId};
 use wasm_bindgen::prelude::*;
 
 use crate::errors::thrown;
@@ -18,9 +18,18 @@ pub struct Simulation {
 /// Number of steps after which the tether of a held sphere follows it.
 const HELD_STEPS: u32 = 10;
 
+/// A body that is held.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Held {
+    /// By a tether to a sphere.
+    Tether(Tied),
+    /// By the point that was picked, under the contact law `rigid`.
+    Grip(Grip),
+}
+
 /// A sphere that a tether holds.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Held {
+pub(crate) struct Tied {
     pub(crate) sphere: SphereId,
     pub(crate) tether: TetherId,
     /// Number of moving spheres that rods and springs connect to it, with itself.

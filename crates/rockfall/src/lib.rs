@@ -77,6 +77,7 @@ pub mod checkpoint;
 pub mod cluster;
 mod devices;
 mod disjoint;
+mod eigen;
 pub mod error;
 #[doc(hidden)]
 pub mod exec;
@@ -124,7 +125,7 @@ pub use scene::{
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{
-    Contact, ContactAction, ContactChange, ContactEvent, ContactSprings, Flow, GaugeReading, HardContacts, Inflow,
+    Contact, ContactAction, ContactChange, ContactEvent, ContactSprings, Flow, GaugeReading, Grip, HardContacts, Inflow,
     JointReading, Link, MaxOverlap, Meter, MotionState, Outflow, Party, RayHit, SensorChange, SensorEvent, Simulation,
     SphereDiagnostics, Tension, WallLoad,
 };

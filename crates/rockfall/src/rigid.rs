@@ -12,6 +12,8 @@
 //! | [`world`] | bodies, colliders and materials of a scene |
 //! | [`springs`], [`spring_bound`] | springs, tethers and muscles, and the substep that they bound |
 //! | [`joints`] | joints, their drives and colours |
+//! | [`grip`] | the force on a point that is pulled |
+//! | [`laws`] | forces of the program |
 //! | [`periods`] | periodic boundaries |
 //! | [`frame`] | a frame: margins, pairs, blocks, colours, substeps |
 //! | `gpu` | all of it on a device |
@@ -25,9 +27,11 @@ pub(crate) mod common;
 pub(crate) mod frame;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod gpu;
+pub(crate) mod grip;
 pub(crate) mod groups;
 pub(crate) mod history;
 pub(crate) mod joints;
+pub(crate) mod laws;
 pub(crate) mod periods;
 pub(crate) mod pose;
 pub(crate) mod shape;

@@ -66,7 +66,7 @@ pub use events::{ContactChange, ContactEvent, Party, SensorChange, SensorEvent};
 use flight::Portioning;
 pub use flow::{Flow, Inflow, Outflow};
 use frames::Frames;
-pub use frames::{HardContacts, JointReading};
+pub use frames::{Grip, HardContacts, JointReading};
 pub use gauge::{GaugeReading, WallLoad};
 #[cfg(feature = "gpu")]
 use kept::Kept;
@@ -137,6 +137,10 @@ pub struct Simulation {
     frames_due: bool,
     /// Drives of joints have changed since the last step.
     drives_due: bool,
+    /// External forces of bodies have changed since the last step.
+    loads_due: bool,
+    /// The point that the program pulls, and where to.
+    pulls: Option<(Grip, Vec3)>,
     /// Events that are noted after every step.
     watched: Watched,
 }
@@ -244,6 +248,8 @@ impl Simulation {
             frames: None,
             frames_due: true,
             drives_due: false,
+            loads_due: false,
+            pulls: None,
             watched: Watched::default(),
             calm_steps: 0,
             few_steps: 0,
@@ -319,7 +325,7 @@ impl Simulation {
     fn check_contact_law(&self) -> Result<()> {
         check_contact_law(&self.scene, self.integrator(), self.options.contact_force_law.as_ref())?;
         if self.scene.is_rigid() {
-            frames::check::check(&self.scene, &self.options)?;
+            frames::check::check(&self.scene)?;
         }
         self.engine.check_frames(self.scene.is_rigid())
     }
@@ -477,7 +483,7 @@ fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     if scene.is_rigid() {
-        frames::check::check(scene, options)?;
+        frames::check::check(scene)?;
         frames::check::check_rods(scene)?;
     }
     if scene.is_periodic() && options.broad_phase == BroadPhase::SortAndSkip {

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rockfall::output::{AtomicFile, Mark};
-use rockfall::{ContactLaw, Energy, Error, Meter, Report, Scene, Simulation};
+use rockfall::{Energy, Error, Meter, Report, Simulation};
 use rockfall_trajectory::csv::numbers;
 
 use super::errors::lost;
@@ -80,7 +80,8 @@ impl TraceFile {
         let before = self.collisions.replace(report.total_collisions).unwrap_or_default();
         let collisions = report.total_collisions.saturating_sub(before);
         let first = *self.energy.get_or_insert(energy.total());
-        let dissipated = is_balanced(simulation.scene(), past).then(|| meter.work - (energy.total() - first));
+        let is_known = Meter::knows_dissipation(simulation.scene()) && !past.changed;
+        let dissipated = is_known.then(|| meter.work - (energy.total() - first));
         line(&mut self.file, past, &energy, &report, collisions, meter.work, dissipated)
             .map_err(|error| Failure::file(&self.path, &error))
     }
@@ -97,14 +98,6 @@ impl TraceFile {
     pub(super) fn finish(self) -> Result<(), Failure> {
         self.file.commit().map_err(|error| Failure::file(&self.path, &error))
     }
-}
-
-/// Whether all energy that is neither in a column of the trace nor work was dissipated, apart from what tangential springs store.
-/// Other contact laws have forces without a potential, and external forces do work of their own.
-fn is_balanced(scene: &Scene, past: &Past) -> bool {
-    let law = scene.contact_law();
-    let is_free = || scene.spheres().iter().all(|sphere| sphere.force.length_squared() == 0.0);
-    matches!(law, ContactLaw::Linear | ContactLaw::HertzMindlin) && !past.changed && is_free()
 }
 
 fn line(

@@ -220,6 +220,16 @@ class BodyFields:
         """Angular momenta about the centres of mass along the axes of the world, of shape (N, 3), in mass units²/s."""
         return self._field("angular_momentum")
 
+    @property
+    def forces(self) -> FloatArray:
+        """External forces at the centres of mass of shape (N, 3), in mass units/s², as :meth:`Objects.set_bodies` sets them."""
+        return self._field("force")
+
+    @property
+    def torques(self) -> FloatArray:
+        """External torques about the centres of mass along the axes of the world, of shape (N, 3), in mass units²/s²."""
+        return self._field("torque")
+
 
 class BodyStates(BodyFields):
     """States of all rigid bodies in order of addition, as :attr:`Objects.bodies` returns them. Each attribute is a new array.
@@ -234,7 +244,8 @@ class BodyStates(BodyFields):
     def _field(self, field: str, width: int = 3) -> FloatArray:
         self._objects._edited()
         shared_bodies = getattr(self._objects._native, "shared_bodies", None)
-        shared = shared_bodies(field) if shared_bodies else None
+        # External forces are kept on the host.
+        shared = shared_bodies(field) if shared_bodies and field not in ("force", "torque") else None
         if shared is not None:
             # A DeviceArray does what an array does.
             on_device = DeviceArray(shared)
@@ -360,7 +371,10 @@ class Rigid(Bodies):
 
     @property
     def bodies(self) -> BodyStates:
-        """States of all rigid bodies: ``bodies.positions``, ``orientations``, ``velocities`` and ``angular_momenta``."""
+        """States of all rigid bodies.
+
+        ``bodies.positions``, ``orientations``, ``velocities`` and ``angular_momenta``, and their external ``forces`` and ``torques``.
+        """
         return BodyStates(self)
 
     def set_bodies(
@@ -371,8 +385,12 @@ class Rigid(Bodies):
         orientations: npt.ArrayLike | None = None,
         velocities: npt.ArrayLike | None = None,
         angular_momenta: npt.ArrayLike | None = None,
+        forces: npt.ArrayLike | None = None,
+        torques: npt.ArrayLike | None = None,
     ) -> None:
-        """Set the states of rigid bodies. What is not given stays. Their spheres follow.
+        """Set the states of rigid bodies, and the forces on them. What is not given stays. Their spheres follow.
+
+        A change of the forces and torques alone is cheap: a controller may do it in every step.
 
         Parameters
         ----------
@@ -386,6 +404,9 @@ class Rigid(Bodies):
             Velocities of the centres of mass, in units/s.
         angular_momenta : array_like, shape (N, 3) or (3,), optional
             Angular momenta about the centres of mass along the axes of the world, in mass units²/s.
+        forces, torques : array_like, shape (N, 3) or (3,), optional
+            External forces at the centres of mass in mass units/s², and external torques about them in mass units²/s², along the
+            axes of the world. They act until they are changed, under the contact law ``rigid`` alone.
 
         Raises
         ------
@@ -400,6 +421,8 @@ class Rigid(Bodies):
             ("orientations", "orientation", orientations, QUATERNION),
             ("velocities", "velocity", velocities, VECTOR),
             ("angular_momenta", "angular_momentum", angular_momenta, VECTOR),
+            ("forces", "force", forces, VECTOR),
+            ("torques", "torque", torques, VECTOR),
         ]
         fields = [
             (field, kind.convert(name, value, len(numbers)))
@@ -408,6 +431,54 @@ class Rigid(Bodies):
         ]
         self._edited()
         _rockfall.set_bodies(self._native, numbers, fields)
+
+    def apply_body_impulses(
+        self, bodies: npt.ArrayLike, impulses: npt.ArrayLike, points: npt.ArrayLike | None = None
+    ) -> None:
+        """Apply impulses to rigid bodies at once.
+
+        Each velocity changes by impulse / mass, and each angular momentum by the moment of the impulse about the centre of mass.
+
+        Parameters
+        ----------
+        bodies : array_like of int, shape (N,) or ()
+            Numbers of bodies, as :meth:`add_bodies` returned them.
+        impulses : array_like, shape (N, 3) or (3,)
+            Impulses, in mass units/s.
+        points : array_like, shape (N, 3) or (3,), optional
+            Points of the scene at which they act, in units; by default the centres of mass.
+
+        Raises
+        ------
+        LookupError
+            For a body that does not exist.
+        ValueError
+            For another shape and numbers that are not finite. Nothing changes then.
+        """
+        self._push_bodies("impulse", bodies, impulses, points)
+
+    def add_body_forces(
+        self, bodies: npt.ArrayLike, forces: npt.ArrayLike, points: npt.ArrayLike | None = None
+    ) -> None:
+        """Add forces at points of rigid bodies to their external forces and torques: see :meth:`set_bodies`.
+
+        They act until forces and torques are changed, and do not follow the points. Parameters and errors are those of
+        :meth:`apply_body_impulses`, with forces in mass units/s².
+        """
+        self._push_bodies("force", bodies, forces, points)
+
+    def _push_bodies(
+        self, what: str, bodies: npt.ArrayLike, rows: npt.ArrayLike, points: npt.ArrayLike | None
+    ) -> None:
+        numbers = np.atleast_1d(integers("bodies", bodies))
+        rows = VECTOR.convert(f"{what}s", rows, len(numbers))
+        places = None
+        if points is not None:
+            given = np.asarray(points, dtype=np.float64)
+            VECTOR.convert("points", given, len(numbers))
+            places = np.ascontiguousarray(np.broadcast_to(given, (len(numbers), 3))).reshape(-1)
+        self._edited()
+        _rockfall.push_bodies(self._native, what, numbers, rows, places)
 
     def remove_bodies(self, bodies: npt.ArrayLike) -> None:
         """Remove rigid bodies, by their numbers, with their spheres and rods and everything attached to them.

@@ -16,10 +16,12 @@ from rockfall._world_states import WorldStates, frozen, hidden, mask_of
 #: Speed of a motor that exerts all of its force at every speed that joints reach, in rad/s or units/s.
 FASTEST = 1e6
 #: Fields of bodies in a row of numbers.
-_COLUMNS = {"position": 0, "orientation": 3, "velocity": 7, "angular_momentum": 10, "spin": 13}
+_COLUMNS = {"position": 0, "orientation": 3, "velocity": 7, "angular_momentum": 10, "spin": 13,
+            "force": 16, "torque": 19}  # fmt: skip
 #: Fields of bodies that are set, by argument, with their columns.
 _BODY = {"positions": ("position", 3), "orientations": ("orientation", 4), "velocities": ("velocity", 3),
-         "angular_momenta": ("angular_momentum", 3), "spins": ("spin", 3)}  # fmt: skip
+         "angular_momenta": ("angular_momentum", 3), "spins": ("spin", 3), "forces": ("force", 3),
+         "torques": ("torque", 3)}  # fmt: skip
 
 
 class WorldJoints(JointReadings):
@@ -83,7 +85,10 @@ class WorldMechanisms(WorldStates):
 
     @property
     def bodies(self) -> WorldBodies:
-        """States of all rigid bodies: ``positions``, ``orientations``, ``velocities``, ``angular_momenta`` and ``spins``."""
+        """States of all rigid bodies.
+
+        ``positions``, ``orientations``, ``velocities``, ``angular_momenta`` and ``spins``, and the external ``forces`` and ``torques``.
+        """
         return WorldBodies(self._native)
 
     def set_joints(
@@ -193,10 +198,12 @@ class WorldMechanisms(WorldStates):
         velocities: npt.ArrayLike | None = None,
         angular_momenta: npt.ArrayLike | None = None,
         spins: npt.ArrayLike | None = None,
+        forces: npt.ArrayLike | None = None,
+        torques: npt.ArrayLike | None = None,
     ) -> None:
-        """Set the states of rigid bodies.
+        """Set the states of rigid bodies, and the forces on them.
 
-        What is not given stays. Joints that this pulls apart draw together in the next steps.
+        What is not given stays. A change of the forces and torques alone is cheap. Joints that this pulls apart draw together in the next steps.
 
         Parameters
         ----------
@@ -209,6 +216,9 @@ class WorldMechanisms(WorldStates):
             velocities in rad/s, along the axes of the world.
         orientations : array_like, shape (K, B, 4) or (B, 4), optional
             Unit quaternions w, x, y, z.
+        forces, torques : array_like, shape (K, B, 3) or (B, 3), optional
+            External forces at the centres of mass in mass units/s², and external torques about them in mass units²/s², along the
+            axes of the world. They act until they are changed.
 
         Raises
         ------
@@ -222,7 +232,7 @@ class WorldMechanisms(WorldStates):
         chosen = self._numbers(worlds)
         places = self._places("bodies", bodies, 3)
         given = {"positions": positions, "orientations": orientations, "velocities": velocities,
-                 "angular_momenta": angular_momenta, "spins": spins}  # fmt: skip
+                 "angular_momenta": angular_momenta, "spins": spins, "forces": forces, "torques": torques}  # fmt: skip
         fields = []
         for name, value in given.items():
             if value is None:

@@ -12,7 +12,7 @@ use crate::worlds::{Worlds, places};
 
 /// Numbers of a joint in the table of joints, and of a body in that of bodies.
 const READINGS: usize = 9;
-const STATES: usize = 16;
+const STATES: usize = 22;
 
 /// Numbers of all joints, which of them are broken, and how many there are in each world.
 type Joints<'py> = (Bound<'py, PyArray3<f32>>, Bound<'py, PyArray2<bool>>, Bound<'py, PyArray1<i64>>);
@@ -69,7 +69,7 @@ pub(crate) fn world_joint_names(worlds: &Bound<'_, Worlds>) -> PyResult<Vec<Vec<
 }
 
 /// States of all bodies of all worlds: of each the centre, the orientation w, x, y, z, the velocity, the angular momentum and
-/// the angular velocity. Then the number of bodies of each world.
+/// the angular velocity, the external force and torque. Then the number of bodies of each world.
 #[pyfunction]
 pub(crate) fn world_bodies<'py>(worlds: &Bound<'py, Worlds>) -> PyResult<Bodies<'py>> {
     let py = worlds.py();
@@ -82,7 +82,7 @@ pub(crate) fn world_bodies<'py>(worlds: &Bound<'py, Worlds>) -> PyResult<Bodies<
                 let q = body.orientation;
                 row.extend(body.position.to_array());
                 row.extend([q.w, q.x, q.y, q.z]);
-                let motion = [body.velocity, body.angular_momentum, scene.body_spin(id)?];
+                let motion = [body.velocity, body.angular_momentum, scene.body_spin(id)?, body.force, body.torque];
                 motion.iter().for_each(|vector| row.extend(vector.to_array()));
             }
             Ok(row)

@@ -1,23 +1,44 @@
 //! A body that is held with the pointer.
 
 use rockfall::glam::Vec3;
-use rockfall::{SphereId, TetherId};
+use rockfall::{Grip, SphereId, TetherId};
 
-/// A sphere that a tether connects to the pointer.
+/// A body that the pointer holds.
 #[derive(Clone, Debug)]
 pub struct Held {
-    /// The sphere.
+    /// The sphere that is held, or a sphere of the body.
     pub sphere: SphereId,
-    /// The tether that holds it.
-    pub tether: TetherId,
     /// Position of the pointer in the scene, in units.
     pub pointer: Vec3,
-    /// The moving spheres that rods and springs connect to it, with itself.
-    pub(super) connected: Vec<SphereId>,
-    /// Vector from the grabbed point to the centre of the sphere.
-    pub(super) offset: Vec3,
+    /// What holds it.
+    pub(super) by: Hold,
     /// Distance of the grabbed point from the eye along `forward`.
     pub(super) depth: f32,
+}
+
+/// What holds a body.
+#[derive(Clone, Debug)]
+pub(super) enum Hold {
+    /// A tether to the centre of the sphere.
+    Tether {
+        tether: TetherId,
+        /// The moving spheres that rods and springs connect to the sphere, with itself.
+        connected: Vec<SphereId>,
+        /// Vector from the grabbed point to the centre of the sphere.
+        offset: Vec3,
+    },
+    /// A pull at the grabbed point, under the contact law `rigid`.
+    Grip(Grip),
+}
+
+impl Held {
+    /// The tether that holds the body, if it is one.
+    pub(super) fn tether(&self) -> Option<TetherId> {
+        match self.by {
+            Hold::Tether { tether, .. } => Some(tether),
+            Hold::Grip(_) => None,
+        }
+    }
 }
 
 /// The line of sight through the pointer.

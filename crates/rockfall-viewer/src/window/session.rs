@@ -380,9 +380,9 @@ impl Session {
     /// and inlets go on where they are.
     fn scene_without_hold(&self) -> Scene {
         let mut scene = self.simulation.last_snapshot();
-        if let Some(held) = &self.held {
+        if let Some(tether) = self.held.as_ref().and_then(Held::tether) {
             // The tether exists as long as a body is held.
-            let _ = scene.remove_tether(held.tether);
+            let _ = scene.remove_tether(tether);
         }
         scene
     }

@@ -1,8 +1,8 @@
 //! Shapes and rigid bodies in a checkpoint: the length of what follows in bytes, 0 if there are none; the number of shapes, each with its
-//! mass, spheres, rods, boxes and hulls; the number of bodies, each with its shape, its first sphere, its first rod and its state. Mass properties
-//! follow from the shapes.
+//! mass, spheres, rods, boxes and hulls; the number of bodies, each with its shape, its first sphere, its first rod and its state; their
+//! external forces and torques, left out if all are 0. Mass properties follow from the shapes.
 
-use glam::Quat;
+use glam::{Quat, Vec3};
 
 use super::tags;
 use super::words::{Damage, Head, Words};
@@ -18,6 +18,10 @@ pub(super) fn bytes(scene: &Scene) -> Vec<u8> {
     scene.shapes().iter().for_each(|shape| put_shape(&mut head, scene, shape));
     head.u64(scene.bodies().len() as u64);
     scene.bodies().iter().for_each(|body| put_body(&mut head, scene, body));
+    if scene.bodies().iter().any(|body| body.force != Vec3::ZERO || body.torque != Vec3::ZERO) {
+        let loads = scene.bodies().iter().flat_map(|body| [body.force, body.torque]);
+        loads.flat_map(|load| load.to_array()).for_each(|number| head.f32(number));
+    }
     head.block()
 }
 
@@ -35,6 +39,12 @@ pub(super) fn put(given: &[u8], scene: &mut Scene) -> Result<(), Damage> {
         let body = read_body(&mut words, scene)?;
         body.validate()?;
         scene.keep_body(body);
+    }
+    if !words.is_empty() {
+        for body in scene.bodies.objects_mut() {
+            (body.force, body.torque) = (words.vec3()?, words.vec3()?);
+            body.validate()?;
+        }
     }
     words.end()
 }
@@ -136,7 +146,7 @@ fn read_part(shape: Shape, words: &mut Words, scene: &Scene) -> Result<Shape, Da
 }
 
 fn put_body(head: &mut Head, scene: &Scene, body: &RigidBody) {
-    let RigidBody { shape, position, position_low, orientation: q, velocity, angular_momentum, spheres, rods } = body;
+    let RigidBody { shape, position, position_low, orientation: q, velocity, angular_momentum, spheres, rods, .. } = body;
     head.u32(scene.shapes.index(*shape).unwrap_or_default() as u32);
     // The spheres of a body follow each other in the scene, and so do its rods.
     let first_sphere = spheres.first().and_then(|id| scene.spheres.index(*id).ok());
@@ -164,5 +174,6 @@ fn read_body(words: &mut Words, scene: &Scene) -> Result<RigidBody, Damage> {
     let (position, position_low, velocity, angular_momentum) = (words.vec3()?, words.vec3()?, words.vec3()?, words.vec3()?);
     let orientation = Quat::from_xyzw(words.f32()?, words.f32()?, words.f32()?, words.f32()?);
     let shape = scene.shapes.handle_at(index);
-    Ok(RigidBody { shape, position, position_low, orientation, velocity, angular_momentum, spheres, rods })
+    let (force, torque) = (Vec3::ZERO, Vec3::ZERO);
+    Ok(RigidBody { shape, position, position_low, orientation, velocity, angular_momentum, force, torque, spheres, rods })
 }

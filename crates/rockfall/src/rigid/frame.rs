@@ -11,7 +11,7 @@
 //! | `refresh` | geometry and rows in a pose |
 //! | `rows` | normal and friction rows of a block |
 //! | `seams` | static surfaces of several shapes |
-//! | `springs` | forces of springs |
+//! | `springs` | forces of springs and of the program |
 //! | `joints` | rows of joints |
 //! | `passes` | all blocks, colour by colour; the warm start |
 //! | `impacts`, `times` | impacts at their time of contact |
@@ -171,7 +171,7 @@ impl<'a> Frame<'a> {
         if impacts::impacts(self.world, &mut self.contacts, &mut self.bodies, self.h) {
             self.joints.refresh(&self.bodies);
         }
-        springs::pull(self.world, &mut self.bodies, self.done);
+        springs::pull(self.world, &mut self.bodies, self.done, self.h);
         self.bodies.kick(self.h);
         self.joints.warm_start(&mut self.bodies);
         passes::warm_start(&mut self.contacts, &mut self.bodies);
@@ -179,7 +179,7 @@ impl<'a> Frame<'a> {
         self.joints.pass(&mut self.bodies, &self.biased);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.biased);
         self.bodies.follow();
-        self.bodies.drift(self.h, self.world.gravity.into());
+        self.bodies.drift(self.h);
         self.refresh();
         self.joints.pass(&mut self.bodies, &self.relax);
         passes::pass(&mut self.contacts, &mut self.bodies, &self.relax);

@@ -35,19 +35,21 @@ mod springs;
 pub(crate) mod world;
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use bytemuck::{Pod, bytes_of, cast_slice};
 
 use arrays::Arrays;
 use kernels::{
-    BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT, EXPOSE,
-    FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, KICK, Kernel, Kinds, LISTS, LOAD, LOADS, MEAN,
-    MEAN_OF_IMPACTS, PAIRS, POINTS, PULL, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE, SOLVE_LEFT_OVER,
-    SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND, join,
+    ADD_LAWS, BEFORE_IMPACTS, BLOCKS, BODIES, CARRY, CARRY_ROUND, COLLIDERS, CONSTANTS, CONTACTS, COUNT_LEFT_OVER, DRIFT,
+    EXPOSE, FIND_ALL_ROUND, FIND_LEFT_OVER, FIND_LEFT_OVER_ROUND, FIND_ROUND, HULLS, KICK, Kernel, Kinds, LISTS, LOAD, LOADS,
+    MEAN, MEAN_OF_IMPACTS, PAIRS, POINTS, PULL, REFRESH, REFRESH_ROUND, REPORT, SEEK, SEEK_ROUND, SETTLE, SOLVE,
+    SOLVE_LEFT_OVER, SPARE_ROUND, STAGES, STRIKE, STRIKE_LEFT_OVER, STRIKE_LEFT_OVER_ROUND, STRIKE_ROUND, WAIT_ROUND, join,
 };
 use rows::{BlockRow, BodyRow, ContactRow, FrameRow, FrameRows, PairRow, PointRow, ROUND};
 use scan::ScanKernels;
+
+use crate::user_laws::forces::PLACE_OF_BODIES;
 
 /// Threads of a workgroup, but of the stages that say so.
 const THREADS: u32 = 64;
@@ -76,6 +78,8 @@ pub(crate) struct RigidGpu {
     kernels: Vec<OnceLock<Kernel>>,
     scans: OnceLock<ScanKernels>,
     search_kernels: Mutex<HashMap<(usize, search::Content), Kernel>>,
+    /// Kernels with forces of programs, by their text.
+    law_kernels: Mutex<HashMap<String, Kernel>>,
     /// Whether a dispatch costs more than barriers in a workgroup, so that mechanisms share one. In software it does not.
     merges: bool,
     /// A text of the kernels, and what stands in its place. For tests of the comparison with the CPU.
@@ -147,7 +151,8 @@ impl RigidGpu {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         let kernels = (0..STAGES.len() * Kinds::COUNT).map(|_| OnceLock::new()).collect();
         let merges = device.adapter_info().device_type != wgpu::DeviceType::Cpu;
-        Self { device, queue, kernels, scans: OnceLock::new(), search_kernels: Mutex::default(), merges, mistake: None }
+        let (search_kernels, law_kernels) = (Mutex::default(), Mutex::default());
+        Self { device, queue, kernels, scans: OnceLock::new(), search_kernels, law_kernels, merges, mistake: None }
     }
 
     /// The same device, on which mechanisms share a dispatch.
@@ -183,6 +188,19 @@ impl RigidGpu {
             let stage = &STAGES[stage];
             let text = self.text(kinds.write(&join(stage.file)));
             Kernel::build(&self.device, stage, text, &[(0, false), (1, true)])
+        })
+    }
+
+    /// The kernel with this text in the place of the forces of the program.
+    fn law_kernel(&self, laws: &str) -> Kernel {
+        let kernels = || self.law_kernels.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = kernels().get(laws).cloned();
+        known.unwrap_or_else(|| {
+            let stage = &STAGES[ADD_LAWS];
+            // The program's own text stays as it is.
+            let text = self.text(join(stage.file)).replace(PLACE_OF_BODIES, laws);
+            let kernel = Kernel::build(&self.device, stage, text, &[(0, false), (1, true)]);
+            kernels().entry(laws.to_owned()).or_insert(kernel).clone()
         })
     }
 
@@ -333,6 +351,9 @@ impl GpuFrame {
             }
             Part::Kick => {
                 self.dispatch(pass, PULL, self.springs.bodies(), 0);
+                if self.arrays.laws.is_some() {
+                    self.dispatch(pass, ADD_LAWS, self.springs.bodies(), 0);
+                }
                 self.dispatch(pass, KICK, self.bodies, 0);
                 self.joints.encode(&self.arrays, pass, part);
             }

@@ -5,6 +5,7 @@ use glam::{IVec3, Mat3, Quat, Vec3};
 use crate::rigid::groups::GroupWords;
 use crate::rigid::history::History;
 use crate::rigid::joints::Joints;
+use crate::rigid::laws::Laws;
 use crate::rigid::periods::Periods;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::Shape;
@@ -96,6 +97,7 @@ pub(crate) struct RigidWorld {
     pub(crate) materials: usize,
     pub(crate) springs: Springs,
     pub(crate) joints: Joints,
+    pub(crate) laws: Laws,
     pub(crate) periods: Periods,
     /// Acceleration of the uniform field, in units/s².
     pub(crate) gravity: Vec3,

@@ -1,8 +1,10 @@
 //! Constants of the contact laws with history, from materials and pairs (docs/physics section 4.11).
 
+use glam::Vec3;
+
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Body, CohesionModel, Material, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Material, RigidBody, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
@@ -131,7 +133,23 @@ impl Scene {
             let called = shape.name.as_deref().map_or(String::new(), |name| format!(" ({})", quoted(name)));
             return Err(Error::Invalid { field: "contact_law", value: format!("{law} with {with}{called}"), expected });
         }
-        Ok(())
+        self.check_loads()
+    }
+
+    /// Checks that the contact law knows external forces of placed bodies, if there are any.
+    pub(crate) fn check_loads(&self) -> Result<()> {
+        let law = self.contact_law();
+        if law == ContactLaw::Rigid {
+            return Ok(());
+        }
+        match self.bodies().iter().find(|body| body.force != Vec3::ZERO || body.torque != Vec3::ZERO) {
+            Some(RigidBody { force, torque, .. }) => Err(Error::Invalid {
+                field: "body.force",
+                value: format!("{force} with the torque {torque} under {law}"),
+                expected: "0 for both, or `set contact_law rigid`; other laws have external forces of spheres",
+            }),
+            None => Ok(()),
+        }
     }
 
     /// Checks that the scene may have the model of cohesion of two materials.

@@ -21,6 +21,8 @@ pub struct Placement {
     orientation: Quat,
     velocity: Vec3,
     rotation: Rotation,
+    force: Vec3,
+    torque: Vec3,
 }
 
 /// A point of the body, and where it comes to lie.
@@ -54,6 +56,11 @@ pub struct RigidBody {
     pub velocity: Vec3,
     /// Angular momentum about the centre of mass along the axes of the world, in mass units²/s.
     pub angular_momentum: Vec3,
+    /// External force at the centre of mass, in mass units/s². It acts until it is changed, under the contact law `rigid` alone. The
+    /// external forces of the spheres of the body come on top.
+    pub force: Vec3,
+    /// External torque about the centre of mass along the axes of the world, in mass units²/s². It acts as `force` does.
+    pub torque: Vec3,
     pub(crate) spheres: Vec<SphereId>,
     pub(crate) rods: Vec<RodId>,
 }
@@ -127,6 +134,8 @@ impl Placement {
             orientation: Quat::IDENTITY,
             velocity: Vec3::ZERO,
             rotation: Rotation::Spin(Vec3::ZERO),
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
         }
     }
 
@@ -164,6 +173,13 @@ impl Placement {
     /// [`Placement::spin`].
     pub fn angular_momentum(mut self, angular_momentum: impl Into<Vec3>) -> Self {
         self.rotation = Rotation::Momentum(angular_momentum.into());
+        self
+    }
+
+    /// Sets the external force at the centre of mass and the external torque about it, in mass units/s² and mass units²/s²: see
+    /// [`RigidBody::force`].
+    pub fn force(mut self, force: impl Into<Vec3>, torque: impl Into<Vec3>) -> Self {
+        (self.force, self.torque) = (force.into(), torque.into());
         self
     }
 }
@@ -209,6 +225,8 @@ impl RigidBody {
         finite("body.position_low", self.position_low)?;
         finite("body.velocity", self.velocity)?;
         finite("body.angular_momentum", self.angular_momentum)?;
+        finite("body.force", self.force)?;
+        finite("body.torque", self.torque)?;
         if !self.orientation.is_normalized() {
             let q = self.orientation;
             return Err(invalid("body.orientation", [q.w, q.x, q.y, q.z], "a unit quaternion w, x, y, z"));
@@ -333,6 +351,8 @@ impl Scene {
             orientation: placement.orientation,
             velocity: placement.velocity,
             angular_momentum: Vec3::ZERO,
+            force: placement.force,
+            torque: placement.torque,
             spheres: Vec::new(),
             rods: Vec::new(),
         };
@@ -417,6 +437,36 @@ impl Scene {
         let body = self.bodies.get(id)?;
         let momentum = self.shape_mass(body.shape)?.tensor(wide(body.orientation)) * spin.into().as_dvec3();
         self.update_body(id, |body| body.angular_momentum = momentum.as_vec3())
+    }
+
+    /// Applies an impulse at a point of a rigid body, in mass units/s: the velocity changes by impulse / mass, and the angular momentum
+    /// by the moment of the impulse about the centre of mass.
+    ///
+    /// # Errors
+    /// As for [`Scene::update_body`].
+    pub fn apply_body_impulse(&mut self, id: RigidBodyId, impulse: impl Into<Vec3>, point: impl Into<DVec3>) -> Result<()> {
+        let (impulse, point) = (impulse.into().as_dvec3(), point.into());
+        let body = self.bodies.get(id)?;
+        let mass = self.shape_mass(body.shape)?.mass;
+        let moment = (point - DVec3::from_array(body.centre())).cross(impulse);
+        self.update_body(id, |body| {
+            body.velocity = (body.velocity.as_dvec3() + impulse / mass).as_vec3();
+            body.angular_momentum = (body.angular_momentum.as_dvec3() + moment).as_vec3();
+        })
+    }
+
+    /// Adds a force at a point of a rigid body, in mass units/s², to its external force and torque: see [`RigidBody::force`]. It acts
+    /// until these are changed, and does not follow the point.
+    ///
+    /// # Errors
+    /// As for [`Scene::update_body`].
+    pub fn add_body_force(&mut self, id: RigidBodyId, force: impl Into<Vec3>, point: impl Into<DVec3>) -> Result<()> {
+        let (force, point) = (force.into(), point.into());
+        self.update_body(id, |body| {
+            body.force += force;
+            let moment = (point - DVec3::from_array(body.centre())).cross(force.as_dvec3());
+            body.torque = (body.torque.as_dvec3() + moment).as_vec3();
+        })
     }
 
     /// The rigid body that a sphere is part of.

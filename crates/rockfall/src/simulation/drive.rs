@@ -63,7 +63,10 @@ impl Simulation {
     async fn drive_on(&mut self, phases: &[Phase], times: u64, mut recorder: Option<&mut Recorder>) -> Result<()> {
         self.flush_async().await?;
         if self.has_frames() {
-            return self.drive_frames(phases, times).await;
+            return match self.drive_frames(phases, times).await {
+                Err(error) => Err(self.blame_law(error).await),
+                done => done,
+            };
         }
         if phases.contains(&Phase::HandleCollisions) {
             self.status.collided = 0;

@@ -305,21 +305,35 @@ impl Simulation {
         Ok(())
     }
 
-    /// Changes the pose and the motion of a rigid body. Its spheres follow.
+    /// Changes the pose, the motion and the external force of a rigid body. Its spheres follow. A change of the force and the torque alone
+    /// is cheap.
     ///
     /// # Errors
     /// As for [`Scene::update_body`] and [`Simulation::sync`].
     pub fn update_body(&mut self, id: RigidBodyId, change: impl FnOnce(&mut RigidBody)) -> Result<()> {
-        self.move_bodies(|scene| scene.update_body(id, change))
+        self.sync_states()?;
+        let before = self.scene.body(id)?.clone();
+        self.scene.update_body(id, change)?;
+        let body = self.scene.body(id)?;
+        let (force, torque) = (body.force, body.torque);
+        let has_loads = (force, torque) != (before.force, before.torque);
+        if *body != (RigidBody { force, torque, ..before }) {
+            self.dirty = Dirty::Everything;
+        }
+        if has_loads { self.changed_loads(id) } else { Ok(()) }
     }
 
     /// Changes poses and motions of rigid bodies.
     pub(crate) fn move_bodies(&mut self, change: impl FnOnce(&mut Scene) -> Result<()>) -> Result<()> {
-        // The change may depend on the present state.
-        self.sync()?;
+        self.sync_states()?;
         // A change that fails may have moved some.
         self.dirty = Dirty::Everything;
         change(&mut self.scene)
+    }
+
+    /// Reads the states that an edit may depend on. Earlier edits of bodies are in the scene and need not be packed before.
+    pub(super) fn sync_states(&mut self) -> Result<()> {
+        if self.synced && self.edits.is_empty() { Ok(()) } else { self.sync().map(drop) }
     }
 
     fn edit(&mut self, id: SphereId, edit: Edit) -> Result<()> {

@@ -18,10 +18,12 @@ mod build;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 mod device;
 mod facets;
+mod grips;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 pub(crate) mod joined;
 mod joints;
 mod keep;
+mod loads;
 mod motions;
 pub(crate) mod observe;
 mod predict;
@@ -29,6 +31,7 @@ mod repeat;
 mod springs;
 mod walls;
 
+pub use grips::Grip;
 pub use joints::JointReading;
 pub use predict::HardContacts;
 pub(in crate::simulation) mod check;
@@ -62,6 +65,8 @@ pub(in crate::simulation) struct Frames {
     joints: Vec<JointId>,
     /// Substeps of a frame; 0 before the first frame.
     substeps: u32,
+    /// What a grip has changed.
+    pulled: grips::Pulled,
     device: Device,
 }
 
@@ -82,7 +87,8 @@ impl Frames {
         let base = base.unwrap_or_else(|| build::base_of(scene));
         let build::Builder { world, owners, origins, parts, .. } = build::Builder::build(scene, base)?;
         let (handles, joints) = (BodyHandles::of(scene), scene.joint_ids().collect());
-        Ok(Self { world, owners, base, origins, parts, handles, joints, substeps: 0, device: None })
+        let pulled = Vec::new();
+        Ok(Self { world, owners, base, origins, parts, handles, joints, substeps: 0, pulled, device: None })
     }
 
     /// What a checkpoint keeps beside the scene: where coordinates begin, the substeps, and of each body its place, its spin and the
@@ -263,6 +269,10 @@ impl Simulation {
         if std::mem::take(&mut self.drives_due) {
             frames.set_drives(&self.scene);
         }
+        if std::mem::take(&mut self.loads_due) {
+            frames.set_loads(&self.scene);
+        }
+        frames.set_laws(&self.world.user_laws.forces);
         self.muscle_clock.set_time_step(self.time_step);
         if frames.substeps == 0 {
             frames.substeps = self.scene.run.substeps.unwrap_or_else(|| auto_substeps(&frames.world, self.time_step));
@@ -284,6 +294,8 @@ impl Simulation {
         for _ in 0..count {
             frames.drive(&self.scene, self.muscle_clock.written_time(), dt);
             frames.set_muscles(&self.scene, &self.muscle_clock);
+            frames.set_law_time(self.muscle_clock.time());
+            self.pull_in(&mut frames)?;
             let report = frames.advance(dt, keeps_going)?;
             if let Some((_, first)) = report.stopped.filter(|_| !keeps_going) {
                 failed = Some(frames.first_sphere(first, &self.scene));
@@ -365,6 +377,7 @@ impl Simulation {
     pub(in crate::simulation) fn put_frames(&mut self, frames: Option<Box<Frames>>) {
         self.frames_due = frames.is_none();
         self.frames = frames;
+        self.pulls = None;
     }
 
     fn book_frame(&mut self, frame: FrameReport) {

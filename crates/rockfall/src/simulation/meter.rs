@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::scene::{Body, Pose, Scene, Sphere};
 use crate::simulation::observe::{Contact, ContactAction};
 use crate::simulation::shear_work::Slid;
+use crate::settings::ContactLaw;
 use crate::simulation::{Simulation, engine};
 
 /// Sums over steps: the loads that the gauges of a scene measure, and the work done on bodies by what moves them.
@@ -54,6 +55,20 @@ impl Meter {
     /// Whether there is something to add after every step.
     pub fn is_active(&self) -> bool {
         self.has_loads || self.has_work
+    }
+
+    /// Whether the work less the growth of all energies is what contacts, joints and dampers of a scene have dissipated (docs/physics
+    /// section 2.12), apart from what tangential springs store. Under other laws than `linear`, `hertz-mindlin` and `rigid` forces have no
+    /// potential. External forces do work of their own, and so does, in the long frames of `rigid`, all that moves or drives bodies.
+    pub fn knows_dissipation(scene: &Scene) -> bool {
+        let pulls = scene.spheres().iter().any(|sphere| sphere.force != Vec3::ZERO)
+            || scene.bodies().iter().any(|body| body.force != Vec3::ZERO || body.torque != Vec3::ZERO);
+        let has_motors = || scene.joints().iter().any(|joint| joint.speed.is_some());
+        match scene.contact_law() {
+            ContactLaw::Linear | ContactLaw::HertzMindlin => !pulls,
+            ContactLaw::Rigid => !(pulls || is_driven(scene) || has_motors()),
+            _ => false,
+        }
     }
 
     /// The means of the sums of loads, after which the sums begin again. Zeros if there was no step.

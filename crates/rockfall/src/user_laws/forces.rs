@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::user_laws::{ForceInput, ForceLaw, ForceLoad};
 
 /// The force laws of a simulation, in the order in which they act.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ForceLaws {
     laws: Arc<[ForceLaw]>,
     /// The values of the parameters of all laws.
@@ -65,12 +65,9 @@ impl ForceLaws {
         })
     }
 
-    /// The text that replaces [`PLACE`] in kernels; empty without laws.
-    ///
-    /// # Errors
-    /// [`Error::Law`] for a law that has no WGSL.
+    /// The functions of all laws, and their calls. `parameter` is the text that reads one of all their parameters.
     #[cfg(feature = "gpu")]
-    pub(crate) fn kernel_text(&self) -> Result<Arc<str>> {
+    fn functions_and_calls(&self, parameter: impl Fn(usize) -> String) -> Result<(String, String)> {
         use std::fmt::Write;
         let (mut functions, mut calls, mut first) = (String::new(), String::new(), 0);
         for (law, number) in self.laws.iter().zip(0..) {
@@ -78,7 +75,7 @@ impl ForceLaws {
             let text = law.kernel_text()?.replace("rockfall_law", &format!("rockfall_law_{number}"));
             functions += &text.replace("rockfall_result", &format!("rockfall_result_{number}"));
             let count = law.parameters().len();
-            let parameters: String = (first..first + count).map(|at| format!(", float_at(step.laws_at + {at}u)")).collect();
+            let parameters: String = (first..first + count).map(|at| format!(", {}", parameter(at))).collect();
             first += count;
             // Writing to a String cannot fail.
             let _ = write!(
@@ -87,6 +84,30 @@ impl ForceLaws {
                  force += law_{number}.force;\n    torque += law_{number}.torque;\n"
             );
         }
+        Ok((functions, calls))
+    }
+
+    /// The text that replaces [`PLACE_OF_BODIES`] in the kernel of the law `rigid`.
+    ///
+    /// # Errors
+    /// [`Error::Law`] for a law that has no WGSL.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn text_for_bodies(&self) -> Result<String> {
+        let (functions, calls) = self.functions_and_calls(|at| format!("laws[{}u]", HEAD + at))?;
+        let signature = PLACE_OF_BODIES.split('{').next().unwrap_or_default();
+        Ok(format!(
+            "{functions}{signature}{{\n    var force = vec3f(0.0);\n    var torque = vec3f(0.0);\n{calls}    \
+             return LawLoad(force, torque);\n}}\n"
+        ))
+    }
+
+    /// The text that replaces [`PLACE`] in kernels; empty without laws.
+    ///
+    /// # Errors
+    /// [`Error::Law`] for a law that has no WGSL.
+    #[cfg(feature = "gpu")]
+    pub(crate) fn kernel_text(&self) -> Result<Arc<str>> {
+        let (functions, calls) = self.functions_and_calls(|at| format!("float_at(step.laws_at + {at}u)"))?;
         if self.is_empty() {
             return Ok(Arc::default());
         }
@@ -102,6 +123,13 @@ impl ForceLaws {
         .into())
     }
 }
+
+/// The function in `rigid/frame/laws.wgsl` that has to be replaced, and the numbers before the parameters in its array.
+#[cfg(feature = "gpu")]
+pub(crate) const PLACE_OF_BODIES: &str = "fn load_of_laws(position: vec3f, velocity: vec3f, spin: vec3f, mass: f32, radius: f32, \
+    time: f32) -> LawLoad { return LawLoad(vec3f(0.0), vec3f(0.0)); }\n";
+#[cfg(feature = "gpu")]
+pub(crate) const HEAD: usize = 4;
 
 /// Puts the text of laws into the text of a kernel that evaluates body forces.
 #[cfg(feature = "gpu")]

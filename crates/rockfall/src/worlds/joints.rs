@@ -74,7 +74,7 @@ impl Worlds {
         self.move_bodies(world, |scene| scene.place_joints(positions, speeds))
     }
 
-    /// Changes poses and motions of rigid bodies of a world. `bodies` counts them in order of addition. `change` gets the
+    /// Changes poses, motions and external forces of rigid bodies of a world. `bodies` counts them in order of addition. `change` gets the
     /// place in `bodies` and the body. `spins` are angular velocities along the axes of the world in rad/s, one per body;
     /// they replace the angular momenta.
     ///
@@ -88,18 +88,20 @@ impl Worlds {
         spins: Option<&[Vec3]>,
         mut change: impl FnMut(usize, &mut RigidBody),
     ) -> Result<()> {
-        self.move_bodies(world, |scene| {
-            let ids: Vec<_> = scene.body_ids().collect();
-            bodies.iter().enumerate().try_for_each(|(place, body)| {
-                let id = ids.get(*body).ok_or_else(|| Error::Invalid {
-                    field: "body",
-                    value: format!("{body} of {}", ids.len()),
-                    expected: "a number below that of rigid bodies",
-                })?;
-                scene.update_body(*id, |body| change(place, body))?;
-                spins.and_then(|spins| spins.get(place)).map_or(Ok(()), |spin| scene.set_body_spin(*id, *spin))
-            })
-        })
+        let simulation = &mut self.current(world)?.simulation;
+        let ids: Vec<_> = simulation.scene().body_ids().collect();
+        let done = bodies.iter().enumerate().try_for_each(|(place, body)| {
+            let id = ids.get(*body).ok_or_else(|| Error::Invalid {
+                field: "body",
+                value: format!("{body} of {}", ids.len()),
+                expected: "a number below that of rigid bodies",
+            })?;
+            simulation.update_body(*id, |body| change(place, body))?;
+            let spin = spins.and_then(|spins| spins.get(place));
+            spin.map_or(Ok(()), |spin| simulation.move_bodies(|scene| scene.set_body_spin(*id, *spin)))
+        });
+        self.changed(world);
+        done
     }
 
     fn move_bodies(&mut self, world: usize, change: impl FnOnce(&mut Scene) -> Result<()>) -> Result<()> {

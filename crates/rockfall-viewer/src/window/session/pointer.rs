@@ -1,11 +1,11 @@
 //! Picks, holds, drags and throws bodies with the pointer.
 
 use rockfall::glam::Vec3;
-use rockfall::{Body, Sphere, SphereId};
+use rockfall::{Body, ContactLaw, Sphere, SphereId};
 
 use super::Session;
 use crate::grasp::{anchor, connected, free_place, holding_tether, nearer_end, reach, settle, thrown};
-use crate::window::hold::{Held, Sight};
+use crate::window::hold::{Held, Hold, Sight};
 use crate::window::message::Level;
 
 impl Session {
@@ -33,20 +33,26 @@ impl Session {
             self.tell(Level::Note, "this sphere is fixed, so it cannot be held");
             return;
         }
-        self.tie(id, &sphere, hit.point, sight);
+        let before = self.state_for_undo();
+        let by = if self.simulation.scene().contact_law() == ContactLaw::Rigid {
+            let grip = self.simulation.grip(hit.body, hit.point);
+            self.ok_or_report(grip).flatten().map(Hold::Grip)
+        } else {
+            self.tie(id, &sphere, hit.point)
+        };
+        let Some(by) = by else { return };
+        self.before_hold = before;
+        let depth = (hit.point - sight.origin).dot(sight.forward);
+        self.held = Some(Held { sphere: id, pointer: hit.point, by, depth });
+        self.pull();
     }
 
-    fn tie(&mut self, id: SphereId, sphere: &Sphere, grabbed: Vec3, sight: &Sight) {
+    fn tie(&mut self, id: SphereId, sphere: &Sphere, grabbed: Vec3) -> Option<Hold> {
         let tether = holding_tether(self.simulation.scene(), id, sphere, self.pace.time_step);
-        let before = self.state_for_undo();
         let added = self.simulation.add_tether(tether);
-        if let Some(tether) = self.ok_or_report(added) {
-            self.before_hold = before;
-            let depth = (grabbed - sight.origin).dot(sight.forward);
-            let connected = connected(self.simulation.scene(), id);
-            let offset = sphere.position - grabbed;
-            self.held = Some(Held { sphere: id, tether, pointer: grabbed, connected, offset, depth });
-        }
+        let tether = self.ok_or_report(added)?;
+        let connected = connected(self.simulation.scene(), id);
+        Some(Hold::Tether { tether, connected, offset: sphere.position - grabbed })
     }
 
     /// Moves the anchor of the held body to the present position of the pointer.
@@ -58,16 +64,19 @@ impl Session {
         self.pull();
     }
 
-    /// Moves the point of the tether towards the pointer, as far as its force may grow.
+    /// Lets the grabbed point follow the pointer. The point of a tether moves towards it as far as the force may grow.
     fn pull(&mut self) {
-        let Some(held) = &self.held else { return };
-        let (sphere, tether, goal) = (held.sphere, held.tether, held.pointer + held.offset);
-        let count = held.connected.len();
-        let pulled = self.simulation.sync().and_then(|scene| {
-            let sphere = scene.sphere(sphere)?;
-            Ok(anchor(sphere, goal, reach(scene, sphere, count)))
-        });
-        let pulled = pulled.and_then(|point| self.simulation.update_tether(tether, |tether| tether.point = point));
+        let Some(Held { sphere, pointer, by, .. }) = &self.held else { return };
+        let pulled = match by {
+            Hold::Grip(grip) => self.simulation.pull_grip(grip, *pointer),
+            Hold::Tether { tether, connected, offset } => {
+                let point = self.simulation.sync().and_then(|scene| {
+                    let sphere = scene.sphere(*sphere)?;
+                    Ok(anchor(sphere, *pointer + *offset, reach(scene, sphere, connected.len())))
+                });
+                point.and_then(|point| self.simulation.update_tether(*tether, |tether| tether.point = point))
+            }
+        };
         if self.ok_or_report(pulled).is_none() {
             self.held = None;
         }
@@ -75,9 +84,9 @@ impl Session {
 
     /// Damps the held body after this number of steps, so that it comes to rest at the pointer, and pulls it on.
     pub(super) fn settle_held(&mut self, steps: u64) {
-        if let Some(held) = &self.held {
+        if let Some(Held { pointer, by: Hold::Tether { connected, offset, .. }, .. }) = &self.held {
             let seconds = steps as f32 * self.pace.time_step;
-            let settled = settle(&mut self.simulation, &held.connected, held.pointer + held.offset, seconds);
+            let settled = settle(&mut self.simulation, connected, *pointer + *offset, seconds);
             self.ok_or_report(settled);
             self.pull();
         }
@@ -86,7 +95,8 @@ impl Session {
     /// Releases the held body.
     pub fn release(&mut self) {
         if let Some(held) = self.held.take() {
-            let removed = self.simulation.remove_tether(held.tether);
+            self.simulation.release_grip();
+            let removed = held.tether().map_or(Ok(()), |tether| self.simulation.remove_tether(tether));
             self.ok_or_report(removed);
             let steps = self.simulation.report().steps;
             let before = self.before_hold.take();

@@ -5,6 +5,7 @@ use std::time::Instant;
 use rockfall::Checkpoint;
 
 use super::Session;
+use crate::window::hold::Held;
 use crate::window::past::Past;
 
 impl Session {
@@ -36,9 +37,9 @@ impl Session {
     pub(super) fn state(&mut self) -> Option<Checkpoint> {
         let state = self.simulation.checkpoint();
         let mut state = self.ok_or_report(state)?;
-        if let Some(held) = &self.held {
+        if let Some(tether) = self.held.as_ref().and_then(Held::tether) {
             // The tether exists as long as a body is held.
-            let _ = state.scene.remove_tether(held.tether);
+            let _ = state.scene.remove_tether(tether);
         }
         Some(state)
     }

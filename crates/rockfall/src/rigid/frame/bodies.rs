@@ -123,6 +123,9 @@ impl Bodies {
         for body in world.springs.list.iter().flat_map(|spring| spring.bodies).chain(ends_of_joints) {
             all.constants[body as usize].sprung = all.constants[body as usize].dynamic;
         }
+        if !world.laws.is_empty() {
+            all.constants.iter_mut().for_each(|fixed| fixed.sprung = fixed.dynamic);
+        }
         all.before.clone_from(&all.motions);
         all
     }
@@ -196,8 +199,7 @@ impl Bodies {
     }
 
     /// Moves all bodies by a substep. Free flight is an exact parabola; the momentum of a free body does not change by a bit.
-    pub(super) fn drift(&mut self, h: f32, gravity: Vec3A) {
-        let limit = 0.25 * gravity.length() * h;
+    pub(super) fn drift(&mut self, h: f32) {
         for i in 0..self.count() {
             let (motion, fixed) = (self.motions[i], &self.constants[i]);
             if !fixed.dynamic {
@@ -210,12 +212,13 @@ impl Bodies {
             self.paths[i] += h * (motion.velocity.length() + motion.spin.length() * fixed.radius);
             let change = motion.minus(&self.before[i]);
             let size = change.velocity.length() + fixed.radius * change.spin.length();
+            let limit = 0.25 * fixed.acceleration.length() * h;
             let beta = match size {
-                _ if fixed.sprung => 0.0,
+                _ if fixed.sprung || limit == 0.0 => 0.0,
                 0.0 => 1.0,
                 _ => (1.0 - size / limit).max(0.0),
             };
-            let way = h * motion.velocity - 0.5 * beta * h * h * gravity;
+            let way = h * motion.velocity - 0.5 * beta * h * h * fixed.acceleration;
             let position = self.poses[i].position + Vec3::from(way);
             let turn = fixed.moments.turned(self.poses[i].turn, self.momenta[i], h);
             let pose = Pose::new(position, turn);

@@ -17,19 +17,21 @@ fn drift_body(body: u32) {
         return;
     }
     let radius = bodies[at + 6u].w;
-    let gravity = length(frame.gravity);
+    // Without springs it is constant in a frame.
+    let acceleration = constants[CONSTANT_ROWS * body + 2u];
+    let size = length(acceleration.xyz);
     let changed = length(motion.velocity - bodies[at + 7u].xyz) + radius * length(motion.spin - bodies[at + 8u].xyz);
     var share = 1.0;
     if changed > 0.0 {
-        share = max(1.0 - changed / (0.25 * gravity * h), 0.0);
+        share = max(1.0 - changed / (0.25 * size * h), 0.0);
     }
-    if gravity == 0.0 || constants[CONSTANT_ROWS * body + 2u].w != 0.0 {
+    if size == 0.0 || acceleration.w != 0.0 {
         share = 0.0;
     }
     follow(body);
     let momentum = bodies[at + 6u].xyz;
     let top = top_of(body);
-    let there = place + (h * motion.velocity - 0.5 * share * h * h * frame.gravity);
+    let there = place + (h * motion.velocity - 0.5 * share * h * h * acceleration.xyz);
     let q = freely_turned(top, before, momentum, h);
     let path = bodies[at + 3u].w + h * (length(motion.velocity) + turning_speed(body, motion.spin));
     if !fits(body, there, q) {

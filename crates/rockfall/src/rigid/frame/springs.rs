@@ -1,4 +1,4 @@
-//! Forces of springs, tethers and muscles (docs/physics section 11.9).
+//! Forces of springs, tethers and muscles, and of the program (docs/physics section 11.9).
 
 use glam::Vec3A;
 
@@ -6,10 +6,12 @@ use crate::rigid::frame::bodies::Bodies;
 use crate::rigid::springs::Spring;
 use crate::rigid::world::RigidWorld;
 use crate::rotate::rotated;
+use crate::user_laws::ForceInput;
 
-/// Evaluates all springs in a substep of the frame, counted from 0. Each body adds the forces of its ends in order of addition.
-pub(super) fn pull(world: &RigidWorld, bodies: &mut Bodies, substep: u32) {
-    if world.springs.list.is_empty() {
+/// Evaluates all springs and forces of the program in a substep of `h` seconds, counted from 0. Each body adds the forces of its ends in
+/// order of addition, and then those of the program.
+pub(super) fn pull(world: &RigidWorld, bodies: &mut Bodies, substep: u32, h: f32) {
+    if world.springs.list.is_empty() && world.laws.is_empty() {
         return;
     }
     let mut loads = vec![[Vec3A::ZERO; 2]; bodies.count()];
@@ -21,10 +23,29 @@ pub(super) fn pull(world: &RigidWorld, bodies: &mut Bodies, substep: u32) {
         loads[b][0] -= force;
         loads[b][1] -= arms[1].cross(force);
     }
+    if !world.laws.is_empty() {
+        for (i, load) in loads.iter_mut().enumerate().filter(|(i, _)| bodies.constants[*i].dynamic) {
+            let [force, torque] = world.laws.load(&input_of(bodies, i), substep, h);
+            *load = [load[0] + force, load[1] + torque];
+        }
+    }
     for (i, load) in loads.into_iter().enumerate() {
         if bodies.constants[i].sprung {
             bodies.pull(world, i, load);
         }
+    }
+}
+
+/// What the forces of the program know of a body.
+fn input_of(bodies: &Bodies, i: usize) -> ForceInput<'static> {
+    ForceInput {
+        position: bodies.poses[i].position,
+        velocity: bodies.motions[i].velocity.into(),
+        angular_velocity: bodies.motions[i].spin.into(),
+        mass: 1.0 / bodies.masses[i].inverse_mass,
+        radius: bodies.constants[i].radius,
+        time: 0.0,
+        parameters: &[],
     }
 }
 

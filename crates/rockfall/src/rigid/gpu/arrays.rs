@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use bytemuck::Pod;
 
-use crate::rigid::gpu::kernels::{BINDINGS, Kinds, STAGES};
+use crate::rigid::gpu::kernels::{ADD_LAWS, BINDINGS, Kernel, Kinds, STAGES};
 use crate::rigid::gpu::{MOST_GROUPS, RigidGpu, THREADS};
 
 /// Arrays by binding, and a bind group for each stage that was used.
@@ -15,12 +15,14 @@ pub(super) struct Arrays {
     pub(super) kinds: Kinds,
     buffers: Vec<Option<wgpu::Buffer>>,
     groups: Vec<OnceLock<wgpu::BindGroup>>,
+    /// The kernel with the forces of the program.
+    pub(super) laws: Option<Kernel>,
 }
 
 impl Arrays {
     pub(super) fn new(gpu: Arc<RigidGpu>, kinds: Kinds) -> Self {
         let groups = STAGES.iter().map(|_| OnceLock::new()).collect();
-        Self { gpu, kinds, buffers: vec![None; BINDINGS as usize], groups }
+        Self { gpu, kinds, buffers: vec![None; BINDINGS as usize], groups, laws: None }
     }
 
     /// No arrays yet, of the same scene.
@@ -59,6 +61,13 @@ impl Arrays {
         }
     }
 
+    fn kernel(&self, stage: usize) -> &Kernel {
+        match &self.laws {
+            Some(kernel) if stage == ADD_LAWS => kernel,
+            _ => self.gpu.kernel(stage, self.kinds),
+        }
+    }
+
     fn group(&self, stage: usize) -> &wgpu::BindGroup {
         self.groups[stage].get_or_init(|| {
             let call = wgpu::BufferBinding { buffer: self.get(1), offset: 0, size: wgpu::BufferSize::new(8) };
@@ -69,7 +78,7 @@ impl Arrays {
             let entry =
                 |binding: &u32| wgpu::BindGroupEntry { binding: *binding, resource: self.get(*binding).as_entire_binding() };
             entries.extend(STAGES[stage].bindings.iter().map(entry));
-            let layout = &self.gpu.kernel(stage, self.kinds).layout;
+            let layout = &self.kernel(stage).layout;
             self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
         })
     }
@@ -85,7 +94,7 @@ impl Arrays {
             return;
         }
         let rows = groups.div_ceil(MOST_GROUPS);
-        pass.set_pipeline(&self.gpu.kernel(stage, self.kinds).pipeline);
+        pass.set_pipeline(&self.kernel(stage).pipeline);
         pass.set_bind_group(0, self.group(stage), &[offset]);
         pass.dispatch_workgroups(groups.div_ceil(rows), rows, 1);
     }

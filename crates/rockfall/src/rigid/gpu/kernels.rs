@@ -81,6 +81,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/spare.wgsl"
     "rigid/frame/expose.wgsl"
     "rigid/frame/springs.wgsl"
+    "rigid/frame/laws.wgsl"
     "rigid/frame/arc.wgsl"
     "rigid/frame/joint.wgsl"
     "rigid/frame/joints.wgsl"
@@ -118,8 +119,9 @@ pub(super) const JOINTS: u32 = 42;
 pub(super) const JOINT_STATES: u32 = 43;
 pub(super) const JOINT_ORDER: u32 = 44;
 pub(super) const APART: u32 = 45;
+pub(super) const LAWS: u32 = 46;
 /// One more than the last binding.
-pub(super) const BINDINGS: u32 = 46;
+pub(super) const BINDINGS: u32 = 47;
 pub(super) const BOUNDS: u32 = 13;
 pub(super) const CELLS: u32 = 14;
 pub(super) const MEMBERS: u32 = 15;
@@ -138,10 +140,11 @@ pub(super) const SCAN: u32 = 25;
 pub(super) const ENDS: u32 = 26;
 
 /// Arrays that are only read, but by the stages of [`WRITERS`].
-const READ: &[u32] = &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS, SPRINGS, ENDS_OF_SPRINGS, JOINTS, JOINT_ORDER, APART];
+const READ: &[u32] =
+    &[CONSTANTS, LISTS, COLLIDERS, HULLS, SCALES, ENDS, SPRINGS, ENDS_OF_SPRINGS, JOINTS, JOINT_ORDER, APART, LAWS];
 
 /// The stages that write an array that the others only read.
-const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen", "pull"];
+const WRITERS: &[&str] = &["gather", "enlist", "take", "relist", "calm", "widen", "pull", "add_laws"];
 
 /// An entry point.
 #[derive(Clone, Copy, Debug)]
@@ -204,6 +207,7 @@ pub(super) const RELAX_JOINTS_AGAIN: usize = 49;
 pub(super) const PUSH_GROUPS: usize = 50;
 pub(super) const RELAX_GROUPS: usize = 51;
 pub(super) const WARM_GROUPS: usize = 52;
+pub(super) const ADD_LAWS: usize = 53;
 
 const SOLVER: &[u32] = &[BODIES, BLOCKS, PAIRS, CONTACTS, LOADS];
 const GEOMETRY: &[u32] = &[BODIES, CONSTANTS, BLOCKS, PAIRS, POINTS, CONTACTS];
@@ -309,6 +313,7 @@ pub(super) const STAGES: &[Stage] = &[
     Stage { name: "push_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
     Stage { name: "relax_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
     Stage { name: "warm_groups", file: "rigid/frame/joint_groups.wgsl", bindings: LINKED },
+    Stage { name: "add_laws", file: "rigid/frame/laws.wgsl", bindings: &[BODIES, CONSTANTS, ENDS_OF_SPRINGS, MUSCLES, LAWS] },
 ];
 
 pub(super) const OPEN: usize = 0;
@@ -433,6 +438,8 @@ impl Kernel {
         //   all, and have their own half of `members`. Candidates and manifolds are written below the room, and read below both the
         //   count and the room. Of a manifold at most four points are written. A collider looks into at most 27 cells of a level.
         // - Springs have bodies of the world, and lists of ends have springs of the world and muscles that exist (`springs::OnDevice`).
+        // - Laws of the program have no arrays and a limit to the rounds of their loops (`user_laws::compile`), and `laws` has all their
+        //   parameters (`GpuWorld::new`).
         // - Joints have bodies of the world, and those of a colour share none with mass. Their order has each joint once, and their calls
         //   end at its end; lists of bodies that are apart have a start for each body of the world (`joints::OnDevice`).
         // - A scan reads and writes below its length (`Scan::new`), and has a sum for each tile.

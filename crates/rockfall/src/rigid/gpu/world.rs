@@ -10,14 +10,15 @@ use crate::rigid::common::{FrameReport, REPEATS};
 use crate::rigid::gpu::arrays::Arrays;
 use crate::rigid::gpu::assemble::{Assembly, Content, ROUNDS};
 use crate::rigid::gpu::kernels::{
-    APART, BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES, STORE,
-    SUM_UP, SURFACES, WIDEN,
+    APART, BODIES, CALM, COLLIDERS, CONSTANTS, COUNTS, HULLS, LAWS, LOADS, OLD_PAIRS, OLD_POINTS, OLD_STARTS, REPORT, SCALES,
+    STORE, SUM_UP, SURFACES, WIDEN,
 };
 use crate::rigid::gpu::past::Past;
-use crate::rigid::gpu::rows::{BodyRow, FrameRow, FrameRows};
+use crate::rigid::gpu::rows::{BodyRow, ConstantRow, FrameRow, FrameRows};
 use crate::rigid::gpu::search::{COUNT_WORDS, Inputs, Search, scales_of};
 use crate::rigid::gpu::{COLOURS, GpuFrame, MOST_ROUNDS, Plan, REPORT_WORDS, RigidGpu, call, joints, loads_bytes, springs};
 use crate::rigid::joints::Joint;
+use crate::rigid::laws::Laws;
 use crate::rigid::shape::Shape;
 use crate::rigid::springs::MuscleWords;
 use crate::rigid::world::{Body, Kind, RigidWorld};
@@ -77,6 +78,14 @@ impl GpuWorld {
         let arrays = &mut frame.arrays;
         arrays.upload(SURFACES, cast_slice(&surface_rows(world)));
         arrays.make(OLD_STARTS, 4 * u64::from(bodies + 1));
+        if !world.laws.is_empty() {
+            let Laws { forces, base, time } = &world.laws;
+            let text = forces.text_for_bodies().map_err(|error| error.to_string())?;
+            arrays.laws = Some(gpu.law_kernel(&text));
+            let numbers: Vec<f32> =
+                base.to_array().into_iter().chain([*time]).chain(forces.parameters().iter().copied()).collect();
+            arrays.upload(LAWS, cast_slice(&numbers));
+        }
         frame.springs = springs::OnDevice::new(arrays, &world.springs, &rows.constants);
         frame.joints = joints::OnDevice::new(arrays, &world.joints, &world.with_mass());
         gpu.prepare(world, frame.arrays.kinds, [frame.is_round, frame.joints.is_grouped()]);
@@ -148,9 +157,22 @@ impl GpuWorld {
         self.frame.springs.set_muscles(muscles);
     }
 
+    /// Takes over the time of the next frame for the forces of the program, in s.
+    pub(crate) fn set_law_time(&self, time: f32) {
+        if self.frame.arrays.laws.is_some() {
+            self.gpu().queue.write_buffer(self.frame.arrays.get(LAWS), 12, bytes_of(&time));
+        }
+    }
+
     /// Takes over the drives of the next frame. The joints are those of the start.
     pub(crate) fn set_drives(&self, joints: &[Joint]) {
         self.frame.joints.set_drives(&self.frame.arrays, joints);
+    }
+
+    /// Takes over the external forces and torques of the bodies in the rows of their constants.
+    pub(crate) fn set_loads(&self, constants: &[ConstantRow]) {
+        self.gpu().queue.write_buffer(self.frame.arrays.get(CONSTANTS), 0, cast_slice(constants));
+        self.frame.springs.set_bases(&self.frame.arrays, constants);
     }
 
     fn gpu(&self) -> &Arc<RigidGpu> {

@@ -15,8 +15,21 @@ use crate::error::{nearest, quoted};
 use crate::scene::{Cuboid, MaterialId, ObjectId, Placement, Shape, ShapeId, SphereId, Tag, shared};
 
 const BODY_KEYS: [&str; 5] = ["mass", "density", "centre", "inertia", "rounding"];
-const PLACE_KEYS: [&str; 11] =
-    ["at", "centre", "axis", "turn", "orientation", "velocity", "spin", "momentum", "name", "first", "fixed"];
+const PLACE_KEYS: [&str; 13] = [
+    "at",
+    "centre",
+    "axis",
+    "turn",
+    "orientation",
+    "velocity",
+    "spin",
+    "momentum",
+    "force",
+    "torque",
+    "name",
+    "first",
+    "fixed",
+];
 /// Words of lines that hold for the lines below them.
 const STATE: [&str; 6] = ["@group", "@use", "@name", "@colour", "@look", "@label"];
 /// Share of the distance of two spheres by which the length of a rod between them may differ from it.
@@ -246,6 +259,9 @@ impl Reader<'_> {
         };
         let refused = |error| PLACE.refused(&error);
         if fixed {
+            if let Some(key) = ["force", "torque"].into_iter().find(|key| given.get(key).is_some()) {
+                return Err(PLACE.wrong(key, "given for a body that no force moves, expected none"));
+            }
             let parts = self.scene.add_static_body(placement, self.motion).map_err(refused)?;
             for wall in parts.iter().filter(|id| matches!(id, ObjectId::Box(_) | ObjectId::Polygon(_))) {
                 self.scene.set_surface_velocity(*wall, self.surface).map_err(refused)?;
@@ -311,6 +327,8 @@ impl Reader<'_> {
         if let Some(value) = given.get("momentum") {
             placement = placement.angular_momentum(vector(&PLACE, "momentum", value)?.as_vec3());
         }
+        let load = |key| given.get(key).map_or(Ok(Vec3::ZERO), |value| Ok(vector(&PLACE, key, value)?.as_vec3()));
+        placement = placement.force(load("force")?, load("torque")?);
         Ok(placement)
     }
 

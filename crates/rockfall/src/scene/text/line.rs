@@ -197,6 +197,8 @@ pub(super) const PLACE: Kind = Kind {
         "turn=degrees|orientation=w,x,y,z",
         "velocity=x,y,z",
         "spin=x,y,z|momentum=x,y,z",
+        "force=x,y,z",
+        "torque=x,y,z",
         "name=N",
         "first=REFERENCE",
         "fixed=0|1",

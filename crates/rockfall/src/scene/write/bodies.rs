@@ -107,7 +107,8 @@ impl Writer<'_> {
             let q = body.orientation;
             let _ = write!(self.text, " orientation={},{},{},{}", q.w, q.x, q.y, q.z);
         }
-        for (key, value) in [("velocity", body.velocity), ("momentum", body.angular_momentum)] {
+        let motion = [("velocity", body.velocity), ("momentum", body.angular_momentum)];
+        for (key, value) in motion.into_iter().chain([("force", body.force), ("torque", body.torque)]) {
             if bits(value) != [0; 3] {
                 let _ = write!(self.text, " {key}={}", vector(value));
             }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3, Vec3};
 
+use super::loads::loads_of_spheres;
 use super::{Owner, motions};
 use crate::error::Result;
 use crate::rigid::pose::Pose;
@@ -124,7 +125,9 @@ impl<'a> Builder<'a> {
         let mut body = Body::loose(pose, kinetics.mass as f32, kinetics.moments.as_vec3(), kinetics.axes.as_quat());
         (body.velocity, body.momentum) = (state.velocity, state.momentum);
         body.spin = body.inverse_inertia * body.momentum;
-        (body.force, body.torque) = self.external(whole);
+        let own = self.scene.bodies().get(number).map_or([Vec3::ZERO; 2], |body| [body.force, body.torque]);
+        let of_spheres = loads_of_spheres(self.scene, whole);
+        (body.force, body.torque) = (own[0] + of_spheres[0], own[1] + of_spheres[1]);
         let number = self.add(body, Owner::Body(number));
         // Places from the centre of mass, in coordinates of the body.
         let (places, boxes): (Vec<DVec3>, &[_]) = match whole.form {
@@ -170,15 +173,6 @@ impl<'a> Builder<'a> {
         }
         self.measure(number);
         Ok(())
-    }
-
-    /// The sum of the external forces on the spheres of a body, and their torque about its centre of mass.
-    fn external(&self, whole: &WholeBody<'_>) -> (Vec3, Vec3) {
-        let centre = whole.state.position.high;
-        let spheres = whole.spheres.iter().filter_map(|id| self.scene.sphere(*id).ok());
-        spheres.fold((Vec3::ZERO, Vec3::ZERO), |(force, torque), sphere| {
-            (force + sphere.force, torque + (sphere.position - centre).cross(sphere.force))
-        })
     }
 
     /// A point of the scene in coordinates of the world.

@@ -1,7 +1,6 @@
 //! What the law `rigid` takes of a scene. Everything else is refused by name.
 
 use crate::error::{Error, Result};
-use crate::options::Options;
 use crate::scene::{RodId, Scene};
 use crate::simulation::frames::motions::turns_planes;
 use crate::simulation::frames::repeat::{leans, turns_across};
@@ -28,18 +27,17 @@ pub(super) fn is_fixed_or_part(scene: &Scene, id: RodId) -> bool {
     is_part || scene.rod(id).is_ok_and(|rod| is_fixed(rod.end1) && is_fixed(rod.end2))
 }
 
-/// Checks that the law `rigid` knows every object of a scene and every option.
+/// Checks that the law `rigid` knows every object of a scene.
 ///
 /// # Errors
 /// [`Error::Invalid`], which names the first object that it does not know.
-pub(in crate::simulation) fn check(scene: &Scene, options: &Options) -> Result<()> {
+pub(in crate::simulation) fn check(scene: &Scene) -> Result<()> {
     let has = [
         (scene.motions().iter().any(|motion| motion.servo.is_some()), "a servo"),
         (turns_planes(scene), "a plane that turns"),
         (scene.shear().is_some(), "a sheared box"),
         (leans(scene), "a plane that leans towards a periodic axis"),
         (turns_across(scene), "a motion that turns, but not about the periodic axis"),
-        (!options.force_laws.is_empty(), "a force of the program"),
     ];
     if let Some((_, what)) = has.into_iter().find(|(has, _)| *has) {
         return refused(what);

@@ -44,9 +44,19 @@ impl OnDevice {
         self.world.set_muscles(&world.springs.muscles);
     }
 
+    /// Takes over the time of the next frame for the forces of the program, in s.
+    pub(super) fn set_law_time(&self, time: f32) {
+        self.world.set_law_time(time);
+    }
+
     /// Takes over the drives of the joints.
     pub(super) fn set_drives(&mut self, world: &RigidWorld) {
         self.world.set_drives(&world.joints.list);
+    }
+
+    /// Takes over the external forces and torques of the bodies.
+    pub(super) fn set_loads(&self, world: &RigidWorld) {
+        self.world.set_loads(&bodies_alone(world).constants);
     }
 
     /// Advances all bodies by a frame.

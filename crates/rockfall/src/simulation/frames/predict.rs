@@ -7,7 +7,6 @@ use super::Frames;
 use super::check::check;
 use super::joints::keeps_distance;
 use crate::error::Result;
-use crate::options::Options;
 use crate::report::short_number;
 use crate::rigid::frame::{JointMotion, auto_substeps, least_width, motions_of_joints};
 use crate::rigid::joints::Joint;
@@ -124,7 +123,7 @@ impl Scene {
     pub fn hard_contacts(&self, dt: f32) -> Result<HardContacts> {
         let mut scene = self.clone();
         scene.imply_bodies();
-        check(&scene, &Options::default())?;
+        check(&scene)?;
         let world = Frames::of(&scene, None)?.world;
         let width = least_width(&world);
         let auto_substeps = auto_substeps(&world, dt);

@@ -11,7 +11,7 @@ use crate::rigid::gpu::{Part, RigidGpu};
 
 /// The right text of a kernel, and a wrong one.
 const MISTAKES: &[[&str; 2]] = &[
-    ["0.5 * share * h * h * frame.gravity", "0.5 * share * h * frame.gravity"],
+    ["0.5 * share * h * h * acceleration.xyz", "0.5 * share * h * acceleration.xyz"],
     ["vec4f(place + h * motion.velocity, 0.0)", "vec4f(place, 0.0)"],
     ["bodies[at + 2u].xyz + frame.h * constants", "bodies[at + 2u].xyz + 0.9 * frame.h * constants"],
     ["press.kept = 1.0 - rule.soft.z;", "press.kept = 1.0;"],
