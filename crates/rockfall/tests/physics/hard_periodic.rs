@@ -144,7 +144,7 @@ fn a_pendulum_and_a_spring_reach_through_a_face(backend: Backend) {
     let run = |x: f32| {
         let text = format!(
             "set gravity 10\n@run substeps=8\n@periodic x -4 4\n{CUBE}@name bob\n@place cube at={},0,0\n@name -\n\
-             @joint hinge world bob at={},0,0 axis=0,0,1\nS 1 {} 2 3 0 0 0 0 0 0 1 0.25\nS 2 {} 2 3 0 0 0 0 0 0 1 0.25\nK 1 2 50 0.5 0\n",
+             @joint hinge world bob at={},0,0 axis=0,0,1\nS 1 {} 2 3 0 0 0 0 0 0 1 0.25\nS 2 {} 2 3 0 0 0 0 0 0 1 0.25\nK 1 2 50 0.8 0\n",
             x - 0.5,
             x + 0.5,
             x - 0.5,

@@ -94,8 +94,9 @@ fn worlds_that_share_frames_have_the_bits_of_simulations(backend: Backend) {
 fn a_world_that_stops_leaves_the_others(backend: Backend) {
     let options = Options::new().backend(backend);
     let mut scenes: Vec<Scene> = (1..4).map(walker).collect();
-    let ball = scenes[1].sphere_ids().last().expect("a ball");
-    scenes[1].update_sphere(ball, |sphere| (sphere.mass, sphere.force) = (1e-30, Vec3::new(1e35, 0.0, 0.0))).expect("a ball");
+    let mut ball = rockfall::Sphere::new([0.0, 50.0, 50.0], 0.2).mass(1e-20);
+    ball.force = Vec3::new(1e30, 0.0, 0.0);
+    scenes[1].add_sphere(ball).expect("a ball");
     let mut worlds = Worlds::new(scenes.clone(), options.clone()).expect("worlds");
     worlds.run(10, FRAME).expect("frames");
     let reports: Vec<_> = (0..3).map(|world| worlds.report(world, None).expect("a report")).collect();
