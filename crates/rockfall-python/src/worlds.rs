@@ -319,7 +319,7 @@ impl Worlds {
             let count = worlds.len();
             let report = |world: usize| {
                 let found = worlds.report(world, bounds.map(|bounds| bounds.map(Into::into)))?;
-                let on_device = found.path != rockfall::WorldPath::Simulation;
+                let on_device = found.path == rockfall::WorldPath::Device;
                 Ok((found.report.into(), on_device, found.escaped, found.stopped, found.sleeping))
             };
             (0..count).map(report).collect()

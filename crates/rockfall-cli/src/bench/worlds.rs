@@ -1,6 +1,7 @@
 //! `rockfall bench worlds`: measures many small worlds side by side.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use rockfall::generate::{creature, creature_without_pairs};
@@ -22,6 +23,9 @@ pub(crate) struct Arguments {
     #[arg(long, visible_alias = "creatures", value_name = "N", value_delimiter = ',', default_value = "1024,10240",
         value_parser = whole(1_u32, 1_000_000), allow_negative_numbers = true)]
     worlds: Vec<u32>,
+    /// Copies of the scene of a file in place of creatures, in steps of its own
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
     /// Number of spheres of a creature, which has three springs per sphere
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = whole(1_u32, 10_000), allow_negative_numbers = true)]
     spheres: u32,
@@ -76,6 +80,9 @@ struct Measured {
 
 impl Arguments {
     fn scene(&self, world: u32) -> Result<Scene, rockfall::Error> {
+        if let Some(path) = &self.scene {
+            return Scene::load(path).map(|loaded| loaded.scene);
+        }
         let generate = if self.contacts == Contacts::Ground { creature_without_pairs } else { creature };
         let mut scene = generate(self.spheres, self.seed.wrapping_add(world.into()))?;
         scene.settings.collisions |= self.collisions;
@@ -84,15 +91,20 @@ impl Arguments {
 
     fn measure(&self, count: u32) -> Result<(Measured, BackendInfo), Failure> {
         let options = self.engine.with_integrator(self.integrator);
-        let scenes = (0..count).map(|world| self.scene(world)).collect::<Result<Vec<_>, _>>()?;
+        let first = self.scene(0)?;
+        let dt = self.dt_of(&first);
+        let scenes = match self.scene {
+            Some(_) => vec![first; count as usize],
+            None => (0..count).map(|world| self.scene(world)).collect::<Result<Vec<_>, _>>()?,
+        };
         let mut worlds = Worlds::new(scenes, options.clone())?;
         // The first steps compile kernels and build lists.
-        worlds.run(20, self.dt)?;
+        worlds.run(20, dt)?;
         let mut seconds = Vec::new();
         for run in 1..=self.runs {
             output::note(&format!("{count} worlds: run {run} of {}", self.runs));
             let start = Instant::now();
-            self.run(&mut worlds)?;
+            self.run(&mut worlds, dt)?;
             seconds.push(start.elapsed().as_secs_f64());
         }
         let reports = (0..worlds.len()).map(|world| worlds.report(world, None)).collect::<Result<Vec<_>, _>>()?;
@@ -100,13 +112,13 @@ impl Arguments {
         let mut simulations = Vec::new();
         for world in 0..few {
             let mut simulation = Simulation::with_options(self.scene(world)?, options.clone())?;
-            simulation.run(20, self.dt)?;
+            simulation.run(20, dt)?;
             simulations.push(simulation);
         }
         let steps = self.steps.min(200);
         let start = Instant::now();
         for simulation in &mut simulations {
-            simulation.run(steps, self.dt)?;
+            simulation.run(steps, dt)?;
         }
         let measured = Measured {
             worlds: count,
@@ -118,10 +130,15 @@ impl Arguments {
         Ok((measured, worlds.backend().clone()))
     }
 
+    /// The time step: that of the scene of a file, if it has one.
+    fn dt_of(&self, scene: &Scene) -> f32 {
+        self.scene.as_ref().and_then(|_| scene.time_step()).unwrap_or(self.dt)
+    }
+
     /// Runs the steps, and waits for the device.
-    fn run(&self, worlds: &mut Worlds) -> Result<(), rockfall::Error> {
+    fn run(&self, worlds: &mut Worlds, dt: f32) -> Result<(), rockfall::Error> {
         let Some(every) = self.control_every else {
-            worlds.run(self.steps, self.dt)?;
+            worlds.run(self.steps, dt)?;
             // Reading a state waits for the device.
             return worlds.states(0).map(drop);
         };
@@ -132,7 +149,7 @@ impl Arguments {
         let mut left = self.steps;
         while left > 0 {
             let portion = left.min(every);
-            worlds.run(portion, self.dt)?;
+            worlds.run(portion, dt)?;
             worlds.sample(|sample| sample.all_states())?;
             worlds.set_all_rest_lengths(&lengths)?;
             left -= portion;
@@ -141,6 +158,16 @@ impl Arguments {
     }
 
     fn title(&self, backend: &BackendInfo) -> String {
+        if let Some(path) = &self.scene {
+            let dt = self.scene(0).map_or(self.dt, |scene| self.dt_of(&scene));
+            return format!(
+                "rockfall bench worlds, {}: {}\n{} steps of {dt} s, median (minimum to maximum) of {} runs\n",
+                path.display(),
+                backend.device,
+                self.steps,
+                self.runs
+            );
+        }
         let how = if self.collisions { "collisions and contact forces" } else { "contact forces" };
         let what = if self.contacts == Contacts::Ground { " with the ground alone" } else { "" };
         let control =
@@ -184,7 +211,7 @@ impl Arguments {
         };
         let object = json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "scene": "worlds",
+            "scene": self.scene.as_ref().map_or("worlds".to_owned(), |path| path.display().to_string()),
             "backend": backend.kind.to_string(),
             "device": backend.device,
             "driver": backend.driver,

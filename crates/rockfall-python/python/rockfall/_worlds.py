@@ -24,7 +24,8 @@ class Worlds(ObservedWorlds):
     Worlds do not affect each other. Each has its own bodies, static objects and settings, and advances exactly as in a
     :class:`Simulation` of its own with the same options: the results are bitwise identical, whatever other worlds there are. On
     the CPU, worlds are divided among all cores. On the GPU, a workgroup runs a small world, or several of them, for many
-    steps in one dispatch; other worlds run one after the other (``workgroup`` of :meth:`report` distinguishes them).
+    steps in one dispatch (``workgroup`` of :meth:`report`). Worlds with hard contacts and the same walls share frames, as
+    long as nothing moves on a motion and there are no springs. Other worlds run one after the other.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ fn worlds_that_share_frames_have_the_bits_of_simulations(backend: Backend) {
         assert_eq!((report.path, report.report.steps), (path(backend), frames));
         assert_eq!(bits(&worlds.states(number).expect("states")), alone(&scenes[number], frames, None), "world {number}");
     }
-    assert!(worlds.report(3, None).expect("a report").report.contacts > 0);
+    assert!((0..4).any(|world| worlds.report(world, None).expect("a report").report.contacts > 0));
     worlds.update_joint(2, 0, |joint| joint.speed = Some(-3.0)).expect("a motor");
     worlds.run(10, FRAME).expect("frames");
     assert_eq!(bits(&worlds.states(2).expect("states")), alone(&scenes[2], 40, Some(-3.0)), "other drives");
