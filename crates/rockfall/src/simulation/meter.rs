@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 
 use crate::error::Result;
 use crate::scene::{Body, Pose, Scene, Sphere};
+use crate::settings::ContactLaw;
 use crate::simulation::observe::{Contact, ContactAction};
 use crate::simulation::shear_work::Slid;
-use crate::settings::ContactLaw;
 use crate::simulation::{Simulation, engine};
 
 /// Sums over steps: the loads that the gauges of a scene measure, and the work done on bodies by what moves them.

@@ -180,7 +180,8 @@ fn a_box_that_slides_to_rest_loses_its_kinetic_energy(backend: Backend) {
 /// (1 - e^2) m v^2 / 2 at the first bounce.
 fn a_ball_that_bounces_loses_what_its_restitution_says(backend: Backend) {
     let text = format!("{FLOOR}set restitution 0.6\nS 1  0 2.3 0  0 0 0  0 0 0  2 0.3\n");
-    let mut simulation = Simulation::with_options(parse(&text).expect("a valid scene"), Options::new().backend(backend)).expect("it opens");
+    let mut simulation =
+        Simulation::with_options(parse(&text).expect("a valid scene"), Options::new().backend(backend)).expect("it opens");
     // It falls for 0.64 s and is in the air again.
     let lost = dissipated(&mut simulation, 0.75);
     let expected = (1.0 - 0.36) * 2.0 * 9.81 * 2.0;
@@ -193,7 +194,11 @@ fn dissipation_is_unknown_where_something_drives_bodies() {
     let knows = |text: &str| Meter::knows_dissipation(&scene(text));
     assert!(knows("@place box at=0,0,0\n"));
     let motion = "@motion lift velocity=0,1,0\n@move lift\nB -1 -3 -1  2 0 0  0 1 0  0 0 2\n@move -\n@place box at=0,0,0\n";
-    for text in ["@place box at=0,0,0 force=1,0,0\n", "@place box at=0,0,0\n@joint hinge world 1 at=0,0,0 axis=0,0,1 speed=1 torque=2\n", motion] {
+    for text in [
+        "@place box at=0,0,0 force=1,0,0\n",
+        "@place box at=0,0,0\n@joint hinge world 1 at=0,0,0 axis=0,0,1 speed=1 torque=2\n",
+        motion,
+    ] {
         let text = text.replace("world 1", "world box").replace("at=0,0,0\n@joint", "at=0,0,0 name=box\n@joint");
         assert!(!knows(&text), "{text}");
     }
