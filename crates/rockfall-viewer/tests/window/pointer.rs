@@ -89,6 +89,27 @@ fn a_held_capsule_comes_to_rest_below_the_pointer() {
     assert!(one.x.abs() < 0.02 && two.x.abs() < 0.02 && two.y < one.y - 1.9, "{one} {two}");
 }
 
+/// Under the law `rigid` a box hangs from the point that was picked, and the pointer takes this point along.
+#[test]
+fn a_box_is_held_at_the_point_that_was_picked() {
+    let shape = "@body box mass=3\nB -1 -0.5 -0.5  2 0 0  0 1 0  0 0 1\n@end\n";
+    let mut session = session(&format!("set contact_law rigid\nset gravity 9.81\n{shape}@place box at=0,5,0\n"));
+    let sight = Sight { origin: Vec3::new(0.9, 5.0, 9.0), direction: Vec3::NEG_Z, forward: Vec3::NEG_Z };
+    session.hold(&sight);
+    assert!(session.held().is_some());
+    assert_eq!(session.simulation().scene().counts().tethers, 0);
+    session.drag(&Sight { origin: sight.origin + 2.0 * Vec3::Y, ..sight });
+    session.set_running(true);
+    (0..400).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+    let place = session.simulation().sync().expect("states").bodies()[0].position;
+    let below = Vec3::new(0.9, 7.0 - Vec3::new(0.9, 0.0, 0.5).length(), 0.5);
+    assert!(place.distance(below) < 0.02, "{place} {below}");
+    session.release();
+    (0..30).for_each(|_| session.frame(0.0, 0.0, |_| ()));
+    let place = session.simulation().sync().expect("states").bodies()[0].position;
+    assert!(place.y < below.y - 0.5, "{place}");
+}
+
 /// Ten balls are connected by springs. The held one carries all of them.
 #[test]
 fn a_held_body_carries_the_bodies_connected_to_it() {

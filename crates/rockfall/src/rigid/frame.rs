@@ -54,7 +54,7 @@ use joints::Joints;
 use rows::{Pass, Softness};
 use times::Scope;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
-pub(crate) use upload::bodies_alone;
+pub(crate) use upload::{bodies_alone, constants_alone};
 
 /// Advances all bodies by a frame of `dt` seconds in `substeps` substeps.
 #[cfg(test)]

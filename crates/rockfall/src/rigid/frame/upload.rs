@@ -20,6 +20,26 @@ pub(crate) fn bodies_alone(world: &RigidWorld) -> FrameRows {
     Frame::new(world, bodies, contacts, 1.0).rows(1)
 }
 
+/// What does not change of the bodies of a world in a frame.
+pub(crate) fn constants_alone(world: &RigidWorld) -> Vec<ConstantRow> {
+    let bodies = Bodies::load(world, 1.0);
+    (0..bodies.count()).map(|i| constant_row(world, &bodies, i)).collect()
+}
+
+fn constant_row(world: &RigidWorld, bodies: &Bodies, i: usize) -> ConstantRow {
+    let (body, fixed) = (&world.bodies[i], &bodies.constants[i]);
+    if !fixed.dynamic {
+        return ConstantRow { axes: [0.0, 0.0, 0.0, 1.0], moments: [1.0; 3], ..ConstantRow::default() };
+    }
+    ConstantRow {
+        axes: body.axes.to_array(),
+        moments: body.moments.to_array(),
+        width: body.width,
+        acceleration: (world.gravity + body.inverse_mass * body.force).extend(f32::from(u8::from(fixed.sprung))).to_array(),
+        torque: body.torque.extend(body.home as f32).to_array(),
+    }
+}
+
 impl Frame<'_> {
     /// The rows of a frame.
     pub(crate) fn rows(&self, substeps: u32) -> FrameRows {
@@ -42,7 +62,7 @@ impl Frame<'_> {
                 ..FrameRow::of_periods(&self.world.periods)
             },
             bodies: (0..count).map(|i| self.body_row(i)).collect(),
-            constants: (0..count).map(|i| self.constant_row(i)).collect(),
+            constants: (0..count).map(|i| constant_row(self.world, &self.bodies, i)).collect(),
             belts: self.world.colliders.iter().map(|collider| collider.surface_velocity.extend(0.0).to_array()).collect(),
             blocks: contacts.blocks.iter().map(block_row).collect(),
             pairs: contacts.pairs.iter().map(|pair| self.pair_row(pair)).collect(),
@@ -83,22 +103,6 @@ impl Frame<'_> {
             stopped: f32::from(u8::from(bodies.stopped.contains(&(i as u32)))),
             kicked_spin: bodies.set[i].to_array(),
             unused: 0.0,
-        }
-    }
-
-    fn constant_row(&self, i: usize) -> ConstantRow {
-        let body = &self.world.bodies[i];
-        if !self.bodies.constants[i].dynamic {
-            return ConstantRow { axes: [0.0, 0.0, 0.0, 1.0], moments: [1.0; 3], ..ConstantRow::default() };
-        }
-        ConstantRow {
-            axes: body.axes.to_array(),
-            moments: body.moments.to_array(),
-            width: body.width,
-            acceleration: (self.world.gravity + body.inverse_mass * body.force)
-                .extend(f32::from(u8::from(self.bodies.constants[i].sprung)))
-                .to_array(),
-            torque: body.torque.extend(body.home as f32).to_array(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::exec::gpu::{Gpu, catch};
-use crate::rigid::frame::{FrameReport, bodies_alone};
+use crate::rigid::frame::{FrameReport, bodies_alone, constants_alone};
 use crate::rigid::gpu::world::GpuWorld;
 use crate::rigid::world::{Body, RigidWorld};
 
@@ -56,7 +56,7 @@ impl OnDevice {
 
     /// Takes over the external forces and torques of the bodies.
     pub(super) fn set_loads(&self, world: &RigidWorld) {
-        self.world.set_loads(&bodies_alone(world).constants);
+        self.world.set_loads(&constants_alone(world));
     }
 
     /// Advances all bodies by a frame.

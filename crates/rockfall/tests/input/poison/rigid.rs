@@ -44,7 +44,7 @@ C 0 0 -0.3 0 0 0.3 0 0 0 - 0.1
 @hull -0.5,0,-0.5 0.5,0,-0.5 0,0,0.5 0,0.75,0
 @end
 @place cube at=0,0.45,3 axis=0,1,0 turn=30 velocity=0,-1,0 spin=0,1,0
-@place cube centre=0,1.5,3 orientation=1,0,0,0 momentum=0,0.5,0
+@place cube centre=0,1.5,3 orientation=1,0,0,0 momentum=0,0.5,0 force=0,1,0.5 torque=0.25,0,0
 @place cube at=4,0.5,4 fixed=1
 @place jack at=4,1.2,4 axis=1,2,3 turn=40 first=20
 @place pill at=2,0.1,-2

@@ -262,7 +262,7 @@ pub(super) fn stage(gpu: &Arc<RigidGpu>, frame: &mut Frame<'_>, part: Part) -> (
         Part::Biased => passes::pass(&mut frame.contacts, &mut frame.bodies, &frame.biased),
         Part::Drift => {
             frame.bodies.follow();
-            frame.bodies.drift(frame.h, frame.world.gravity.into());
+            frame.bodies.drift(frame.h);
         }
         Part::Refresh => frame.refresh(),
         _ => passes::pass(&mut frame.contacts, &mut frame.bodies, &frame.relax),
