@@ -280,7 +280,8 @@ fn search(world: &RigidWorld, pair: &Pair, points: &[Point], rest: f32, radius: 
         let now = place(world, pair, points, &state.0);
         let gaps = (0..now.count).map(|k| (now.gap(k), approach(&now, k, &state)));
         least = gaps.clone().fold(least, |least, (gap, _)| least.min(gap));
-        let Some((gap, speed)) = gaps.min_by(|one, two| comes(*one).total_cmp(&comes(*two)).then(one.0.total_cmp(&two.0))) else {
+        let Some((gap, speed)) = gaps.min_by(|one, two| comes(*one).total_cmp(&comes(*two)).then(one.0.total_cmp(&two.0)))
+        else {
             break;
         };
         if gap < TOUCH * radius {
