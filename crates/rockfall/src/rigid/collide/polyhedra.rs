@@ -9,6 +9,9 @@ use crate::rigid::collide::{Manifold, ids};
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, MOST_FACES, Shape};
 
+/// Normals whose product is greater are those of contacts that lie flat.
+const FLAT: f32 = 0.99;
+
 /// Two polyhedra in coordinates of a, with what all steps need.
 struct Pair<'a> {
     a: Solid<'a>,
@@ -76,7 +79,10 @@ impl<'a> Pair<'a> {
         let by_edges = || edge.and_then(|edge| self.edge_contact(&edge));
         let wins = edge.is_some_and(|edge| edge.separation > face.separation + 0.05 * face.separation.abs() + 0.01 * self.size);
         let first = if wins { by_edges().or_else(|| self.edge_contact(&self.edge_axis(0.0)??)) } else { None };
-        let found = first.or_else(|| self.face_contact(&face));
+        let found = match (first, self.face_contact(&face)) {
+            (Some(edges), Some(flat)) if lies_flat(&flat, &edges, 0.01 * self.size + self.noise) => Some(flat),
+            (first, flat) => first.or(flat),
+        };
         let best = edge.map_or(face.separation, |edge| edge.separation.max(face.separation));
         let radii = self.radii.0 + self.radii.1;
         let tiny = 1e-3 * self.size + self.noise;
@@ -260,6 +266,11 @@ impl<'a> Pair<'a> {
         let along = own.vertex(own.loop_of(axis.face)[1]) - own.anchor(axis.face);
         reduce(&found[..count], outward, along.normalize_or(Vec3::X), self.radii)
     }
+}
+
+/// Whether the contact of a face has the place of a contact of edges, and others: corners of a plate that lies over an edge touch, too.
+pub(super) fn lies_flat(flat: &Manifold, edges: &Manifold, slack: f32) -> bool {
+    flat.count > 1 && flat.normal.dot(edges.normal) > FLAT && flat.least() <= edges.least() + slack
 }
 
 /// Greatest number of edges of a polyhedron with 32 faces.

@@ -364,15 +364,19 @@ fn collide_solids(a: Solid, b: Solid, reach: f32) -> Manifold {
         }
         let edges_first = round < 2u || edges.exists && edges.separation > face.separation;
         var contact = no_contact();
-        for (var attempt = 0u; attempt < 2u && contact.count == 0u; attempt++) {
+        let may_lie_flat = wins && round < 2u;
+        for (var attempt = 0u; attempt < 2u && (contact.count == 0u || may_lie_flat); attempt++) {
             if edges_first == (attempt == 0u) {
                 contact = contact_of_solid_edges(pair, edges);
                 if round == 0u {
                     by_edges = contact;
                     contact.count = select(0u, contact.count, wins);
                 }
-            } else if round > 0u || !wins {
-                contact = contact_of_solid_face(pair, face);
+            } else if round > 0u || !wins || contact.count > 0u {
+                var flat = contact_of_solid_face(pair, face);
+                if contact.count == 0u || lies_flat(&flat, &contact, 0.01 * size + pair.noise) {
+                    contact = flat;
+                }
             }
         }
         if round == 2u {

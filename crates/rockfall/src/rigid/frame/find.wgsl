@@ -27,7 +27,7 @@ fn hit_of_pair(block: Block, pair: u32, start: f32, least: f32) -> Hit {
             let spot = spot_in(sight, place, k);
             let own = gap_of(spot, place.normal);
             let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
-            if own < gap {
+            if comes_before(own, u, gap, speed) {
                 gap = own;
                 speed = u;
             }

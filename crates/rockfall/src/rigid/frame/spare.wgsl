@@ -43,12 +43,14 @@ fn search(block: Block, pair: u32, start: f32) -> Search {
         var speed = 0.0;
         for (var k = 0u; k < MOST_POINTS && k < place.count; k++) {
             let spot = spot_in(sight, place, k);
-            if gap_of(spot, place.normal) < gap {
-                gap = gap_of(spot, place.normal);
-                speed = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+            let own = gap_of(spot, place.normal);
+            let u = approach_at(sight, 0.5 * (spot.on_a + spot.on_b), place.normal);
+            found.least = min(found.least, own);
+            if comes_before(own, u, gap, speed) {
+                gap = own;
+                speed = u;
             }
         }
-        found.least = min(found.least, gap);
         if gap < TOUCH * radius {
             found.touches = true;
             found.time = time;

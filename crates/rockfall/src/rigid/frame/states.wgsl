@@ -122,6 +122,14 @@ fn approach_at(sight: Sight, arm: vec3f, normal: vec3f) -> f32 {
     return -dot(speed, normal);
 }
 
+// Whether a point with a gap and an approach speed comes before another one. Points that leave come last, the nearest one first.
+fn comes_before(gap: f32, speed: f32, other_gap: f32, other_speed: f32) -> bool {
+    if speed > 0.0 {
+        return other_speed <= 0.0 || gap / speed < other_gap / other_speed;
+    }
+    return other_speed <= 0.0 && gap < other_gap;
+}
+
 // A round pair touches at a gap of this share of the radius.
 const TOUCH: f32 = 1e-4;
 // A hit that is late by at most this share of the rest of a substep happens at its end.

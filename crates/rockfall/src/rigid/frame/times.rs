@@ -254,6 +254,11 @@ fn approach(now: &Place, k: usize, (poses, motions): &State) -> f32 {
     (motions[0].at(common) - motions[1].at(common - apart(poses))).dot(now.normal)
 }
 
+/// When a gap closes at a speed; never if it grows.
+fn comes((gap, speed): (f32, f32)) -> f32 {
+    if speed > 0.0 { gap / speed } else { f32::INFINITY }
+}
+
 /// How a search ends.
 enum End {
     /// After a time, with an approach speed.
@@ -268,16 +273,19 @@ fn late(u: f32, rest: f32, radius: f32) -> f32 {
     (LATE * rest).min(TOUCH * radius / u)
 }
 
-/// Newton steps towards the first touch of a round contact. The gap is convex along a straight path, so they come from below.
+/// Newton steps towards the first touch of a round contact. Gaps are convex along a straight path, so they come from below. One end of a
+/// capsule may leave while the other one comes.
 fn search(world: &RigidWorld, pair: &Pair, points: &[Point], rest: f32, radius: f32, path: &impl Fn(f32) -> State) -> End {
     let (mut t, mut least) = (0.0, f32::INFINITY);
     for _ in 0..STEPS {
         let state = path(t);
         let now = place(world, pair, points, &state.0);
-        let nearest = (0..now.count).min_by(|i, j| now.gap(*i).total_cmp(&now.gap(*j)));
-        let Some(nearest) = nearest else { break };
-        let (gap, speed) = (now.gap(nearest), approach(&now, nearest, &state));
-        least = least.min(gap);
+        let gaps = (0..now.count).map(|k| (now.gap(k), approach(&now, k, &state)));
+        least = gaps.clone().fold(least, |least, (gap, _)| least.min(gap));
+        let Some((gap, speed)) = gaps.min_by(|one, two| comes(*one).total_cmp(&comes(*two)).then(one.0.total_cmp(&two.0)))
+        else {
+            break;
+        };
         if gap < TOUCH * radius {
             return End::Touch { time: t, speed };
         }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec3};
 
 use super::super::pile::heap;
+use super::super::rest::{lowest_corner, plate_on_a_seam};
 use super::super::scene::{DT, Scene, close};
 use crate::rigid::frame::refresh::tangents;
 use crate::rigid::frame::{Frame, bodies_alone, impacts, passes};
@@ -296,6 +297,16 @@ pub(super) fn run(world: &mut RigidWorld, frames: usize, gpu: &Arc<RigidGpu>) {
     (0..frames).for_each(|_| _ = on_device.advance(DT, 4, true).unwrap());
     on_device.download(world).unwrap();
     on_device.download_history(world).unwrap();
+}
+
+#[test]
+fn plates_touch_on_both_sides_of_a_seam_on_device() {
+    let gpu = open();
+    for tiles in [false, true] {
+        let mut scene = plate_on_a_seam(tiles);
+        run(&mut scene.world, 1, &gpu);
+        assert!(lowest_corner(&scene) > -0.003, "{} with tiles: {tiles}", lowest_corner(&scene));
+    }
 }
 
 /// Problem 19 on the device: a stack of ten sinks by 12.3 mm and stands.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
+use super::super::impact::flat_capsules;
 use super::super::scene::{DT, Random, Scene, close};
 use super::super::seams::clump_on_a_ball;
 use super::device::{apart, open, run, stage};
@@ -321,6 +322,17 @@ fn what_passes_on_device_is_not_deflected() {
             assert!(pair[1].pose.position.x > 2.0);
         }
     }
+}
+
+#[test]
+fn flat_capsules_on_device_lose_no_energy() {
+    let gpu = open();
+    let mut scene = flat_capsules();
+    let before = energy(&scene.world);
+    let mut on_device = GpuWorld::new(&gpu, &scene.world, &bodies_alone(&scene.world)).unwrap();
+    (0..6).for_each(|_| _ = on_device.advance(DT, 64, true).unwrap());
+    on_device.download(&mut scene.world).unwrap();
+    assert!((energy(&scene.world) / before - 1.0).abs() < 1e-4, "{}", energy(&scene.world) / before);
 }
 
 /// Problem 40 on the device.
