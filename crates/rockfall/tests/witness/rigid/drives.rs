@@ -9,58 +9,94 @@ use super::joints::{Link, Pose, Row, Visit, across, along, solved};
 use super::rows::Sides;
 
 impl Link {
-    /// The motor and the friction.
-    pub(super) fn drive(&mut self, sides: &mut Sides, pose: &Pose, h: f64) {
-        let mut one = |row: Row, speed: f64, most: f64, impulse: &mut f64| {
-            let change = -(sides.rate(pose.arms, row) - speed) / sides.give(pose.arms, row);
-            let to = (*impulse + change).clamp(-h * most, h * most);
-            sides.act(pose.arms, row, to - *impulse);
-            *impulse = to;
-        };
-        if let (Some((p, row)), Some(mut speed)) = (pose.axis, self.speed) {
-            let mut most = self.most;
-            if let Some([a, b]) = self.limits {
-                if (speed > 0.0 && p >= b) || (speed < 0.0 && p <= a) {
-                    most = 0.0;
-                } else if speed > 0.0 {
-                    speed = speed.min((b - p) / h);
-                } else if speed < 0.0 {
-                    speed = speed.max((a - p) / h);
-                }
-            }
-            one(row, speed, most, &mut self.impulses.motor);
+    /// The inertia of the rotor of the free axis.
+    pub(super) fn inertia(&self) -> f64 {
+        if self.kind == JointKind::Ball { 0.0 } else { self.armature }
+    }
+
+    /// The rotor has taken its part of impulses on the free axis, whose row gives way by this.
+    pub(super) fn taken(&mut self, give: f64, sum: f64, visit: Visit) {
+        let k = give / (1.0 + self.inertia() * give);
+        self.impulses.drive -= self.inertia() * k * sum;
+        if visit.relax && !visit.is_first {
+            self.rotor.x += k * sum;
         }
+    }
+
+    /// A row towards a speed. The sum of its impulses is that without the rotor.
+    fn toward(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, [speed, most, old]: [f64; 3]) -> f64 {
+        let Some((_, row)) = pose.axis else { return old };
+        let give = sides.give(pose.arms, row);
+        let change = -(sides.rate(pose.arms, row) - speed) * (1.0 + self.inertia() * give) / give;
+        let to = (old + change).clamp(-visit.h * most, visit.h * most);
+        sides.act(pose.arms, row, (to - old) / (1.0 + self.inertia() * give));
+        self.taken(give, to - old, visit);
+        to
+    }
+
+    pub(super) fn motor(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
+        let (Some((p, _)), Some(mut speed)) = (pose.axis, self.speed) else { return };
+        let mut most = self.most;
+        if let Some([a, b]) = self.limits {
+            if (speed > 0.0 && p >= b) || (speed < 0.0 && p <= a) {
+                most = 0.0;
+            } else if speed > 0.0 {
+                speed = speed.min((b - p) / visit.h);
+            } else if speed < 0.0 {
+                speed = speed.max((a - p) / visit.h);
+            }
+        }
+        self.impulses.motor = self.toward(sides, pose, visit, [speed, most, self.impulses.motor]);
+    }
+
+    /// Friction.
+    pub(super) fn rub(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
         if self.friction <= 0.0 {
             return;
         }
-        if self.kind == JointKind::Ball {
-            let k = sides.inverses[0] + sides.inverses[1];
-            let old = across(pose.e, self.impulses.rub);
-            let to = (old - k.inverse() * sides.turning()).clamp_length_max(h * self.friction);
-            sides.twist(to - old);
-            self.impulses.rub = along(pose.e, to);
-        } else if let Some((_, row)) = pose.axis {
-            one(row, 0.0, self.friction, &mut self.impulses.friction);
+        if self.kind != JointKind::Ball {
+            self.impulses.friction = self.toward(sides, pose, visit, [0.0, self.friction, self.impulses.friction]);
+            return;
+        }
+        let k = sides.inverses[0] + sides.inverses[1];
+        let old = across(pose.e, self.impulses.rub);
+        let to = (old - k.inverse() * sides.turning()).clamp_length_max(visit.h * self.friction);
+        sides.twist(to - old);
+        self.impulses.rub = along(pose.e, to);
+    }
+
+    /// The drive of a ball.
+    pub(super) fn about_all(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
+        let r = visit.h * (self.damping + self.drag) + self.armature;
+        if self.kind != JointKind::Ball || r == 0.0 {
+            return;
+        }
+        // old + m = J_a s - r (w + K m).
+        let k = sides.inverses[0] + sides.inverses[1];
+        let old = across(pose.e, self.impulses.round);
+        let right = self.armature * across(pose.e, self.rotor) - r * sides.turning() - old;
+        let m = (DMat3::IDENTITY + r * k).inverse() * right;
+        sides.twist(m);
+        self.impulses.round = along(pose.e, old + m);
+        if visit.relax && !visit.is_first {
+            self.rotor = along(pose.e, sides.turning());
         }
     }
 
-    /// The damping of a ball.
-    pub(super) fn damp(&mut self, sides: &mut Sides, visit: Visit) {
-        if self.kind == JointKind::Ball && self.damping > 0.0 && visit.is_first {
-            let resistance = DMat3::from_diagonal(DVec3::splat(1.0 / (visit.h * self.damping)));
-            let m = -((sides.inverses[0] + sides.inverses[1] + resistance).inverse() * sides.turning());
-            sides.twist(m);
-            self.load.torque += m;
-        }
-    }
-
-    /// The spring and the damping.
-    pub(super) fn spring(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
+    /// The drive of the free axis.
+    pub(super) fn along_axis(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
         let (h, k) = (visit.h, self.stiffness);
         let is_ball = self.kind == JointKind::Ball;
-        let c = if is_ball { 0.0 } else { self.damping };
-        let acts = (k > 0.0 && visit.is_first) || (k == 0.0 && c > 0.0);
+        let [c, drag] = if is_ball { [0.0; 2] } else { [self.damping, self.drag] };
+        let inertia = self.inertia();
+        let acts = k > 0.0 || self.effort != 0.0 || [c, drag, inertia].iter().any(|number| *number > 0.0);
         let Some((p, row)) = pose.axis.filter(|_| acts) else { return };
+        if !visit.relax && visit.is_first {
+            self.off = p - self.rest;
+            if self.kind.turns() {
+                self.off -= TAU * (self.off / TAU).round();
+            }
+        }
         let (push, twist) = self.answer(sides, pose, row);
         let slip = |sides: &Sides| push.dot(sides.slip(pose.arms)) + twist.dot(sides.turning());
         let act = |sides: &mut Sides, impulse: f64| {
@@ -71,26 +107,32 @@ impl Link {
         act(sides, 1.0);
         let give = slip(sides) - before;
         act(sides, -1.0);
-        let mut off = p - self.rest;
-        if self.kind.turns() {
-            off -= TAU * (off / TAU).round();
+        let theta = if k > 0.0 { (1.0 - (1.0 / give + inertia) / (k * h * h)).max(0.0) } else { 0.0 };
+        let [bounded, free] = [h * c + theta * h * h * k, h * drag + inertia];
+        let [start, kept] = [h * (self.effort - k * self.off), inertia * self.rotor.x];
+        let old = self.impulses.drive;
+        // old + change = start - bounded v + kept - free v with v = before + give change.
+        let all = bounded + free;
+        let mut change = (start + kept - old - all * before) / (1.0 + all * give);
+        let most = h * self.most;
+        let within = start - bounded * (before + give * change);
+        if within.abs() > most {
+            change = (most.copysign(within) + kept - old - free * before) / (1.0 + free * give);
         }
-        let theta = if k > 0.0 { (1.0 - 1.0 / (k * h * h * give)).max(0.0) } else { 0.0 };
-        let part = h * c + theta * h * h * k;
-        let old = self.impulses.spring;
-        let change = -(h * k * off + part * before + old) / (1.0 + part * give);
-        let to = (old + change).clamp(-h * self.most, h * self.most);
-        act(sides, to - old);
-        self.impulses.spring = to;
+        act(sides, change);
+        self.impulses.drive = old + change;
+        if visit.relax && !visit.is_first && !is_ball {
+            self.rotor.x = before + give * change;
+        }
         let beside = match row {
             Row::Linear(n) => (push - n, twist),
             Row::Angular(n) => (push, twist - n),
         };
-        self.load.force += (to - old) * beside.0;
-        self.load.torque += (to - old) * beside.1;
+        self.impulses.linear += along(pose.e, change * beside.0);
+        self.impulses.angular += along(pose.e, change * beside.1);
     }
 
-    /// The push and the twist of an impulse of 1 of the spring, with what the joint answers at once.
+    /// The push and the twist of an impulse of 1 of the drive, with what the joint answers at once.
     fn answer(&self, sides: &Sides, pose: &Pose, row: Row) -> (DVec3, DVec3) {
         let (e, arms) = (pose.e, pose.arms);
         match row {
