@@ -1,4 +1,4 @@
-// requires rigid/frame/joint.wgsl rigid/frame/tensor.wgsl
+// requires rigid/frame/joint.wgsl rigid/frame/block.wgsl rigid/frame/tensor.wgsl
 
 // What acts by the rate of a joint at the end of a substep: springs, dampers, efforts, drags and rotors (docs/physics section 11.14).
 
@@ -14,40 +14,41 @@ fn is_ball(flags: u32) -> bool {
     return (flags & TURNS) != 0u && ((flags >> ANGULAR) & 7u) == 0u;
 }
 
-// Velocity of a point at an arm from the centre of a body.
-fn point_speed(motion: Motion, arm: vec3f) -> vec3f {
-    return motion.velocity + cross(motion.spin, arm);
+// How the block of a joint answers its drive: the linear one of a turn, the angular one of a slide. Along the axes of the joint.
+struct Coupling {
+    // The rate of the block that an impulse of 1 of the drive gives.
+    moved: vec3f,
+    // The impulse of the block that follows an impulse of 1, and the one that follows in any case.
+    answer: vec3f,
+    expected: vec3f,
 }
 
-// The velocity of B at the anchor and its spin, relative to A, that a push gives.
-fn response_to(joint: Joint, ends: ptr<function, Ends>, push: Push) -> Push {
-    let a = respond((*ends).mass_a, cross(joint.arm_a, push.impulse) + push.moment);
-    let b = respond((*ends).mass_b, cross(joint.arm_b, push.impulse) + push.moment);
-    let linear = (*ends).mass_a.inverse + (*ends).mass_b.inverse;
-    return Push(linear * push.impulse + cross(a, joint.arm_a) + cross(b, joint.arm_b), a + b);
-}
-
-// What the rows of the joint answer at once to a push of 1 along the free axis.
-fn answer_to(joint: Joint, ends: ptr<function, Ends>, alone: Push) -> Push {
-    let zero = vec3f(0.0);
+fn coupling_of(joint: Joint, ends: ptr<function, Ends>, direction: vec3f, own: ptr<function, Impulses>, biased: bool) -> Coupling {
     let all_rows = vec3<bool>(true);
-    let moved = response_to(joint, ends, alone);
+    let gain = select(1.0, soft.gain, biased);
     if (joint.flags & TURNS) != 0u && (joint.flags & 7u) == 7u {
-        let x = response_to(joint, ends, Push(vec3f(1.0, 0.0, 0.0), zero)).impulse;
-        let y = response_to(joint, ends, Push(vec3f(0.0, 1.0, 0.0), zero)).impulse;
-        let z = response_to(joint, ends, Push(vec3f(0.0, 0.0, 1.0), zero)).impulse;
-        let k = Tensor(vec3f(x.x, y.y, z.z), vec3f(y.x, z.x, z.y));
-        return Push(solved(k, all_rows, -moved.impulse), zero);
+        let turned_a = respond((*ends).mass_a, direction);
+        let turned_b = respond((*ends).mass_b, direction);
+        let moved = (cross(turned_a, joint.arm_a) + cross(turned_b, joint.arm_b)) * joint.axes;
+        let k = linear_tensor(joint, ends);
+        let rate = (point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a)) * joint.axes;
+        let expected = block_change(k, all_rows, rate, joint.apart * joint.axes, (*own).linear, biased);
+        return Coupling(moved, gain * solved(k, all_rows, -moved), expected);
     }
     if (joint.flags & SLIDES) != 0u && ((joint.flags >> ANGULAR) & 7u) == 7u {
-        let k = Tensor((*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside);
-        return Push(zero, solved(k, all_rows, -moved.moment));
+        let turned_a = respond((*ends).mass_a, cross(joint.arm_a, direction));
+        let turned_b = respond((*ends).mass_b, cross(joint.arm_b, direction));
+        let moved = (turned_a + turned_b) * joint.axes;
+        let k = angular_tensor(joint, ends);
+        let rate = ((*ends).b.spin - (*ends).a.spin) * joint.axes;
+        let expected = block_change(k, all_rows, rate, 2.0 * joint.twist.xyz, (*own).angular, biased);
+        return Coupling(moved, gain * solved(k, all_rows, -moved), expected);
     }
-    return Push(zero, zero);
+    return Coupling(vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }
 
-// The change of the impulse of a drive at a speed of its row, with K.
-fn drive_change(joint: Joint, k: f32, speed: f32, old: f32) -> f32 {
+// The change of the impulse of a drive at a speed of its row, with its K and that of a hard block.
+fn drive_change(joint: Joint, k: f32, hard: f32, speed: f32, old: f32) -> f32 {
     let h = frame.h;
     let at = JOINT_STATE_ROWS * joint.number;
     let stiffness = joint_row(joint.number, 5u).w;
@@ -55,13 +56,13 @@ fn drive_change(joint: Joint, k: f32, speed: f32, old: f32) -> f32 {
     let axis = joint_row(joint.number, 8u).xyz;
     let alone = select(1.0, 0.0, is_ball(joint.flags));
     let armature = alone * axis.z;
-    // theta h^2 k = h^2 k - 1 / K - J_a, or 0.
-    let bounded = alone * h * spring.x + max(h * h * stiffness - 1.0 / k - armature, 0.0);
+    // A stiff spring has a damping of its own, and a greatest stiffness.
+    let bounded = alone * h * spring.x + clamp(h * h * stiffness - 0.25 / hard, 0.0, 6.0 / hard);
     let free = alone * h * axis.y + armature;
-    let push = h * (axis.x - stiffness * joint_states[at + 5u].w);
+    let push = h * axis.x - min(h * stiffness, 2.0 / (h * hard)) * joint_states[at + 5u].w;
     let kept = armature * joint_states[at + 6u].x - old;
-    let all = bounded + free;
-    let step = (push + kept - all * speed) / (1.0 + all * k);
+    let both = bounded + free;
+    let step = (push + kept - both * speed) / (1.0 + both * k);
     let force = push - bounded * (speed + k * step);
     let most = h * spring.y;
     if abs(force) <= most {
@@ -70,24 +71,28 @@ fn drive_change(joint: Joint, k: f32, speed: f32, old: f32) -> f32 {
     return (clamp(force, -most, most) + kept - free * speed) / (1.0 + free * k);
 }
 
-// The drive of the free axis. What the blocks answer is added to their impulses.
+// The drive of the free axis. What the block answers is added to its impulses.
 fn drive_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
     let at = JOINT_STATE_ROWS * joint.number;
     if biased && is_first_visit {
         joint_states[at + 5u].w = beyond_target(joint, axis.position);
     }
-    let alone = push_along(joint, axis.direction, 1.0);
-    let answer = answer_to(joint, ends, alone);
-    let push = Push(alone.impulse + answer.impulse, alone.moment + answer.moment);
-    let moved = response_to(joint, ends, push);
-    let k = dot(push.impulse, moved.impulse) + dot(push.moment, moved.moment);
-    let speed = point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a);
-    let rate = dot(push.impulse, speed) + dot(push.moment, (*ends).b.spin - (*ends).a.spin);
-    let step = drive_change(joint, k, rate, (*own).drive);
+    let block = coupling_of(joint, ends, axis.direction, own, biased);
+    let answered = dot(block.moved, block.answer);
+    let k = 1.0 / axis.lever.inverse + answered;
+    let hard = 1.0 / axis.lever.inverse + answered / select(1.0, soft.gain, biased);
+    let rate = rate_of(ends, axis.lever) + dot(block.moved, block.expected);
+    let step = drive_change(joint, k, hard, rate, (*own).drive);
     (*own).drive += step;
-    (*own).linear += (step * answer.impulse) * joint.axes;
-    (*own).angular += (step * answer.moment) * joint.axes;
-    push_ends(joint, ends, Push(step * push.impulse, step * push.moment));
+    pull_ends(ends, axis.lever, step);
+    let answer = step * block.answer;
+    if (joint.flags & TURNS) != 0u {
+        (*own).linear += answer;
+        push_ends(joint, ends, Push(joint.axes * answer, vec3f(0.0)));
+    } else {
+        (*own).angular += answer;
+        push_ends(joint, ends, Push(vec3f(0.0), joint.axes * answer));
+    }
     if is_last_visit(biased) && !is_ball(joint.flags) {
         joint_states[at + 6u].x = rate + k * step;
     }

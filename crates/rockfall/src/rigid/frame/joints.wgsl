@@ -1,18 +1,9 @@
-// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/drive.wgsl rigid/frame/tensor.wgsl rigid/frame/halt.wgsl
-// requires rigid/frame/report.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/block.wgsl rigid/frame/drive.wgsl
+// requires rigid/frame/halt.wgsl rigid/frame/report.wgsl
 
 // The rows of joints (docs/physics section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
 // two words of `call` are the first entry of a colour in `joint_order` and the end.
 
-// m_s, r and i_s of the rows of a joint.
-struct JointSoftness {
-    gain: f32,
-    pull: f32,
-    loss: f32,
-}
-
-// Those of the joint of this thread.
-var<private> soft: JointSoftness;
 // The part of an impulse along the free axis that a rotor takes, and the sum of these impulses in this visit.
 var<private> rotor_share: f32;
 var<private> pulled: f32;
@@ -24,53 +15,6 @@ fn joint_softness(frequency: f32) -> JointSoftness {
     let loss = 1.0 / (1.0 + turn * first);
     let gain = turn * first * loss;
     return JointSoftness(gain, gain * turn / (first * frame.h), loss);
-}
-
-// The change of the impulses of a block.
-fn block_change(k: Tensor, rows: vec3<bool>, rate: vec3f, off: vec3f, old: vec3f, biased: bool) -> vec3f {
-    if biased {
-        return solved(k, rows, -(soft.gain * rate + soft.pull * off)) - soft.loss * old;
-    }
-    return solved(k, rows, -rate);
-}
-
-fn linear_block(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
-    let one = lever_of(joint, ends, joint.axes[0], true);
-    let two = lever_of(joint, ends, joint.axes[1], true);
-    let three = lever_of(joint, ends, joint.axes[2], true);
-    let mass = (*ends).mass_a.inverse + (*ends).mass_b.inverse;
-    let k = Tensor(
-        vec3f(mass) + vec3f(shared_of(one, one), shared_of(two, two), shared_of(three, three)),
-        vec3f(shared_of(one, two), shared_of(one, three), shared_of(two, three)),
-    );
-    let rate = vec3f(rate_of(ends, one), rate_of(ends, two), rate_of(ends, three));
-    let change = block_change(k, axes_in(joint.flags), rate, joint.apart * joint.axes, old, biased);
-    push_ends(joint, ends, Push(joint.axes * change, vec3f(0.0)));
-    return old + change;
-}
-
-// What two levers have in common in K, without the masses.
-fn shared_of(one: Lever, two: Lever) -> f32 {
-    return dot(one.turn_a, two.response_a) + dot(one.turn_b, two.response_b);
-}
-
-fn angular_block(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
-    let rows = axes_in(joint.flags >> ANGULAR);
-    let both = Mass(
-        0.0, (*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside
-    );
-    let one = respond(both, joint.axes[0]);
-    let two = respond(both, joint.axes[1]);
-    let three = respond(both, joint.axes[2]);
-    let k = Tensor(
-        vec3f(dot(joint.axes[0], one), dot(joint.axes[1], two), dot(joint.axes[2], three)),
-        vec3f(dot(joint.axes[0], two), dot(joint.axes[0], three), dot(joint.axes[1], three)),
-    );
-    let rate = ((*ends).b.spin - (*ends).a.spin) * joint.axes;
-    let off = select(cross(joint.axes[0], joint.other) * joint.axes, 2.0 * joint.twist.xyz, all(rows));
-    let change = block_change(k, rows, rate, off, old, biased);
-    push_ends(joint, ends, Push(vec3f(0.0), joint.axes * change));
-    return old + change;
 }
 
 // An impulse along the free axis, of which a rotor takes its part.

@@ -83,6 +83,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/springs.wgsl"
     "rigid/frame/arc.wgsl"
     "rigid/frame/joint.wgsl"
+    "rigid/frame/block.wgsl"
     "rigid/frame/drive.wgsl"
     "rigid/frame/tensor.wgsl"
     "rigid/frame/joints.wgsl"

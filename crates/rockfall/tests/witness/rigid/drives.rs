@@ -6,7 +6,7 @@ use rockfall::JointKind;
 use rockfall::glam::{DMat3, DVec3};
 
 use super::joints::{Link, Pose, Row, Visit, across, along, solved};
-use super::rows::Sides;
+use super::rows::{Sides, Soft, soft};
 
 impl Link {
     /// The inertia of the rotor of the free axis.
@@ -97,19 +97,14 @@ impl Link {
                 self.off -= TAU * (self.off / TAU).round();
             }
         }
-        let (push, twist) = self.answer(sides, pose, row);
-        let slip = |sides: &Sides| push.dot(sides.slip(pose.arms)) + twist.dot(sides.turning());
-        let act = |sides: &mut Sides, impulse: f64| {
-            sides.push(pose.arms, impulse * push);
-            sides.twist(impulse * twist);
-        };
-        let before = slip(sides);
-        act(sides, 1.0);
-        let give = slip(sides) - before;
-        act(sides, -1.0);
-        let theta = if k > 0.0 { (1.0 - (1.0 / give + inertia) / (k * h * h)).max(0.0) } else { 0.0 };
-        let [bounded, free] = [h * c + theta * h * h * k, h * drag + inertia];
-        let [start, kept] = [h * (self.effort - k * self.off), inertia * self.rotor.x];
+        // An impulse of 1 gives the block `across`, and the block gives the drive as much. It answers, and moves in any case.
+        let Answer { across: moved, answer, expected } = self.answer(sides, pose, row, visit);
+        let give = sides.give(pose.arms, row) + moved.dot(answer);
+        let hard = sides.give(pose.arms, row) + moved.dot(answer) / self.gain(visit);
+        let before = sides.rate(pose.arms, row) + moved.dot(expected);
+        let own = (h * h * k - 0.25 / hard).max(0.0).min(6.0 / hard);
+        let [bounded, free] = [h * c + own, h * drag + inertia];
+        let [start, kept] = [h * self.effort - (h * k).min(2.0 / (h * hard)) * self.off, inertia * self.rotor.x];
         let old = self.impulses.drive;
         // old + change = start - bounded v + kept - free v with v = before + give change.
         let all = bounded + free;
@@ -119,33 +114,62 @@ impl Link {
         if within.abs() > most {
             change = (most.copysign(within) + kept - old - free * before) / (1.0 + free * give);
         }
-        act(sides, change);
+        sides.act(pose.arms, row, change);
         self.impulses.drive = old + change;
         if visit.relax && !visit.is_first && !is_ball {
             self.rotor.x = before + give * change;
         }
-        let beside = match row {
-            Row::Linear(n) => (push - n, twist),
-            Row::Angular(n) => (push, twist - n),
-        };
-        self.impulses.linear += along(pose.e, change * beside.0);
-        self.impulses.angular += along(pose.e, change * beside.1);
-    }
-
-    /// The push and the twist of an impulse of 1 of the drive, with what the joint answers at once.
-    fn answer(&self, sides: &Sides, pose: &Pose, row: Row) -> (DVec3, DVec3) {
-        let (e, arms) = (pose.e, pose.arms);
         match row {
-            Row::Angular(t) => {
-                let u = (sides.inverses[1] * t).cross(arms[1]) + (sides.inverses[0] * t).cross(arms[0]);
-                (-across(e, solved(&[0, 1, 2], |i, j| sides.k(arms, e[i], e[j]), along(e, u))), t)
+            Row::Angular(_) => {
+                self.impulses.linear += change * answer;
+                sides.push(pose.arms, across(pose.e, change * answer));
             }
-            Row::Linear(n) if self.kind == JointKind::Slider => {
-                let w = sides.inverses[1] * arms[1].cross(n) + sides.inverses[0] * arms[0].cross(n);
-                let sum = sides.inverses[0] + sides.inverses[1];
-                (n, -across(e, solved(&[0, 1, 2], |i, j| e[i].dot(sum * e[j]), along(e, w))))
+            Row::Linear(_) => {
+                self.impulses.angular += change * answer;
+                sides.twist(across(pose.e, change * answer));
             }
-            Row::Linear(n) => (n, DVec3::ZERO),
         }
     }
+
+    fn soft(&self, visit: Visit) -> Soft {
+        soft(2.0, self.angle, visit.h)
+    }
+
+    /// The part of a rate that blocks take away.
+    fn gain(&self, visit: Visit) -> f64 {
+        if visit.relax { 1.0 } else { self.soft(visit).mass }
+    }
+
+    /// What the block answers that a drive of this row moves.
+    fn answer(&self, sides: &Sides, pose: &Pose, row: Row, visit: Visit) -> Answer {
+        let (e, arms, [one, two]) = (pose.e, pose.arms, sides.inverses);
+        let all = &[0, 1, 2];
+        let wanted = |rate: DVec3, off: DVec3, old: DVec3| {
+            let Soft { mass, rate: pull, give, .. } = self.soft(visit);
+            if visit.relax { (-rate, DVec3::ZERO) } else { (-(mass * rate + visit.bias * pull * off), -give * old) }
+        };
+        let (moved, answer, expected) = match row {
+            Row::Angular(t) => {
+                let u = along(e, (two * t).cross(arms[1]) + (one * t).cross(arms[0]));
+                let (right, more) = wanted(along(e, sides.slip(arms)), pose.linear, self.impulses.linear);
+                let k = |i: usize, j: usize| sides.k(arms, e[i], e[j]);
+                (u, solved(all, k, -u), solved(all, k, right) + more)
+            }
+            Row::Linear(n) if self.kind == JointKind::Slider => {
+                let w = along(e, two * arms[1].cross(n) + one * arms[0].cross(n));
+                let (right, more) = wanted(along(e, sides.turning()), pose.angular, self.impulses.angular);
+                let k = |i: usize, j: usize| e[i].dot((one + two) * e[j]);
+                (w, solved(all, k, -w), solved(all, k, right) + more)
+            }
+            Row::Linear(_) => (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO),
+        };
+        Answer { across: moved, answer: self.gain(visit) * answer, expected }
+    }
+}
+
+/// How a block answers a drive, along the axes of the joint.
+struct Answer {
+    across: DVec3,
+    answer: DVec3,
+    expected: DVec3,
 }

@@ -292,6 +292,7 @@ impl Link {
 
     /// Limits and the cone.
     fn bounds(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, soft: &Soft) {
+        let axis_gives = pose.axis.map(|(_, row)| sides.give(pose.arms, row));
         let mut one = |c: f64, row: Row, sign: f64, inertia: f64, impulse: &mut f64| {
             let k = sides.give(pose.arms, row) / (1.0 + inertia * sides.give(pose.arms, row));
             let rate = sign * sides.rate(pose.arms, row);
@@ -307,14 +308,17 @@ impl Link {
             *impulse = to;
             done
         };
+        let (inertia, mut taken) = (self.inertia(), 0.0);
         if let (Some((p, row)), Some([a, b])) = (pose.axis, self.limits) {
-            let inertia = self.inertia();
             let sum = one(p - a, row, 1.0, inertia, &mut self.impulses.lower)
                 + one(b - p, row, -1.0, inertia, &mut self.impulses.upper);
-            self.taken(sides.give(pose.arms, row), sum, visit);
+            taken = sum;
         }
         if let Some((c, row)) = self.cone_row(pose) {
             one(c, row, 1.0, 0.0, &mut self.impulses.cone);
+        }
+        if let Some(give) = axis_gives {
+            self.taken(give, taken, visit);
         }
     }
 }

@@ -6,6 +6,11 @@ use super::pivot::{Row, inverse, reduced};
 use super::{Ends, Visit};
 use crate::rigid::joints::{Drive, Free, Joint, JointState, within};
 
+/// A spring with a greater h^2 k K has a damping of its own, up to `DAMPED`, and is no stiffer than `STIFFEST`.
+const SYMPLECTIC: f32 = 0.25;
+const DAMPED: f32 = 6.0;
+const STIFFEST: f32 = 2.0;
+
 /// How a block answers a drive, along the axes of the joint.
 #[derive(Default)]
 struct Coupling {
@@ -31,7 +36,9 @@ impl Visit {
         let Coupling { across, answer, expected } = self.coupling(joint, &row, state, ends);
         let give = row.inverse + across.dot(answer);
         let speed = ends.speed_of(&row) + across.dot(expected);
-        let step = self.change(joint, state, give, speed);
+        // The same for a block that takes away all of a rate, in both passes.
+        let hard = row.inverse + across.dot(answer) / self.gain();
+        let step = self.change(joint, state, [give, hard], speed);
         state.impulses.drive += step;
         if self.is_last() && !joint.kind.is_ball() {
             state.rotor.x = speed + give * step;
@@ -63,22 +70,21 @@ impl Visit {
         Coupling { across, answer, expected: self.step(block, back * rate, before.into()) }
     }
 
-    /// The change of the impulse of a row with the inverse K at this speed.
-    fn change(&self, joint: &Joint, state: &JointState, inverse: f32, speed: f32) -> f32 {
+    /// The change of the impulse of a row at this speed, with its K and that of a hard block.
+    fn change(&self, joint: &Joint, state: &JointState, [give, hard]: [f32; 2], speed: f32) -> f32 {
         let (Drive { stiffness, effort, spring_limit, .. }, h) = (joint.drive, self.h);
         let [damping, drag, armature] = match joint.kind.is_ball() {
             true => [0.0; 3],
             false => [joint.drive.damping, joint.drive.drag, joint.drive.armature],
         };
-        // theta h^2 k.
-        let stiff = (h * h * stiffness - inverse.recip() - armature).max(0.0);
+        let stiff = (h * h * stiffness - SYMPLECTIC / hard).clamp(0.0, DAMPED / hard);
         let (resistance, free) = (h * damping + stiff, h * drag + armature);
-        let (push, kept) = (h * (effort - stiffness * state.off), armature * state.rotor.x);
+        let (push, kept) = (h * effort - (h * stiffness).min(STIFFEST / (h * hard)) * state.off, armature * state.rotor.x);
         let solved = |push: f32, resistance: f32| {
-            (push + kept - resistance * speed - state.impulses.drive) / (1.0 + resistance * inverse)
+            (push + kept - resistance * speed - state.impulses.drive) / (1.0 + resistance * give)
         };
         let step = solved(push, resistance + free);
-        let bounded = push - resistance * (speed + inverse * step);
+        let bounded = push - resistance * (speed + give * step);
         let most = within(bounded, spring_limit, h);
         if most == bounded { step } else { solved(most, free) }
     }
