@@ -188,7 +188,8 @@ impl Urdf<'_> {
         }
         let element = element.alone();
         let (at, reference, motors, armature) = (DVec3::ZERO, 0.0, Vec::new(), 0.0);
-        let joint = LinkJoint { name, element, motion, at, axis, reference, limits, springs, motors, effort, armature, friction };
+        let joint =
+            LinkJoint { name, element, motion, at, axis, reference, limits, springs, motors, effort, armature, friction };
         link.joints.push(joint);
         Ok(())
     }

@@ -111,7 +111,8 @@ impl Builder<'_> {
         let has_own = springs.iter().any(|spring| spring.most.is_none() && spring.stiffness > 0.0);
         let is_bounded = most.is_finite() && !has_own;
         if most.is_finite() && has_own {
-            let text = "the greatest force of its actuators is not taken over, because it would bound the spring of the joint, too";
+            let text =
+                "the greatest force of its actuators is not taken over, because it would bound the spring of the joint, too";
             self.notes.add(&of.element, text);
         }
         let stiffness: f64 = springs.iter().map(|spring| spring.stiffness).sum();

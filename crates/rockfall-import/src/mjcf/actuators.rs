@@ -14,7 +14,10 @@ const MOST_NAMES: usize = 100;
 /// What the force of an actuator is, before its gear.
 enum Force {
     /// kp (control - position) - kv speed.
-    Spring { kp: f64, kv: f64 },
+    Spring {
+        kp: f64,
+        kv: f64,
+    },
     /// The control times this.
     Control(f64),
     Other,

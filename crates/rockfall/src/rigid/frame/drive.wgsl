@@ -79,8 +79,10 @@ fn drive_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<f
     }
     let block = coupling_of(joint, ends, axis.direction, own, biased);
     let answered = dot(block.moved, block.answer);
-    let k = 1.0 / axis.lever.inverse + answered;
-    let hard = 1.0 / axis.lever.inverse + answered / select(1.0, soft.gain, biased);
+    // K with a hard block is positive, whatever its rounding.
+    let own_k = 1.0 / axis.lever.inverse;
+    let hard = max(own_k + answered / select(1.0, soft.gain, biased), 1e-5 * own_k);
+    let k = max(own_k + answered, hard);
     let rate = rate_of(ends, axis.lever) + dot(block.moved, block.expected);
     let step = drive_change(joint, k, hard, rate, (*own).drive);
     (*own).drive += step;

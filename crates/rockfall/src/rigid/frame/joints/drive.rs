@@ -10,6 +10,8 @@ use crate::rigid::joints::{Drive, Free, Joint, JointState, within};
 const SYMPLECTIC: f32 = 0.25;
 const DAMPED: f32 = 6.0;
 const STIFFEST: f32 = 2.0;
+/// The least part of K that a block leaves.
+const LEAST: f32 = 1e-5;
 
 /// How a block answers a drive, along the axes of the joint.
 #[derive(Default)]
@@ -34,10 +36,10 @@ impl Visit {
         }
         let Some((row, _)) = ends.pivot.free else { return };
         let Coupling { across, answer, expected } = self.coupling(joint, &row, state, ends);
-        let give = row.inverse + across.dot(answer);
+        // K with a hard block is positive, whatever its rounding.
+        let hard = (row.inverse + across.dot(answer) / self.gain()).max(LEAST * row.inverse);
+        let give = (row.inverse + across.dot(answer)).max(hard);
         let speed = ends.speed_of(&row) + across.dot(expected);
-        // The same for a block that takes away all of a rate, in both passes.
-        let hard = row.inverse + across.dot(answer) / self.gain();
         let step = self.change(joint, state, [give, hard], speed);
         state.impulses.drive += step;
         if self.is_last() && !joint.kind.is_ball() {
@@ -77,12 +79,11 @@ impl Visit {
             true => [0.0; 3],
             false => [joint.drive.damping, joint.drive.drag, joint.drive.armature],
         };
-        let stiff = (h * h * stiffness - SYMPLECTIC / hard).clamp(0.0, DAMPED / hard);
+        let stiff = (h * h * stiffness - SYMPLECTIC / hard).max(0.0).min(DAMPED / hard);
         let (resistance, free) = (h * damping + stiff, h * drag + armature);
         let (push, kept) = (h * effort - (h * stiffness).min(STIFFEST / (h * hard)) * state.off, armature * state.rotor.x);
-        let solved = |push: f32, resistance: f32| {
-            (push + kept - resistance * speed - state.impulses.drive) / (1.0 + resistance * give)
-        };
+        let solved =
+            |push: f32, resistance: f32| (push + kept - resistance * speed - state.impulses.drive) / (1.0 + resistance * give);
         let step = solved(push, resistance + free);
         let bounded = push - resistance * (speed + give * step);
         let most = within(bounded, spring_limit, h);
