@@ -71,7 +71,19 @@ pub fn load_mjcf(path: impl AsRef<Path>) -> Result<Imported> {
 /// As for [`load_urdf`] and [`load_mjcf`].
 pub fn load(path: impl AsRef<Path>) -> Result<Imported> {
     let path = path.as_ref();
-    let root = xml::Reader::default().read(path)?;
+    converted(path, xml::Reader::default().read(path)?)
+}
+
+/// Reads a URDF or an MJCF text as that of a file, to which the files that it names are relative. The root element decides.
+///
+/// # Errors
+/// As for [`load`].
+pub fn parse(text: &str, path: impl AsRef<Path>) -> Result<Imported> {
+    let path = path.as_ref();
+    converted(path, xml::Reader::default().parse(path, text, 0)?)
+}
+
+fn converted(path: &Path, root: xml::Element) -> Result<Imported> {
     match root.name.as_str() {
         "robot" => urdf::convert(path, &root),
         "mujoco" => mjcf::convert(path, root),

@@ -42,7 +42,7 @@ struct Mjcf<'a> {
     /// Links and numbers of joints by name.
     joints: HashMap<String, (usize, usize)>,
     /// Place and joint of actuators whose force a control gives.
-    forces: Vec<(String, String)>,
+    forces: [Vec<(String, String)>; 2],
 }
 
 pub(crate) fn load(path: &Path) -> Result<Imported> {
@@ -70,7 +70,7 @@ pub(crate) fn convert(path: &Path, root: Element) -> Result<Imported> {
         links: vec![world],
         names: HashMap::from([("world".to_owned(), 0)]),
         joints: HashMap::new(),
-        forces: Vec::new(),
+        forces: Default::default(),
     };
     let model = mjcf.model(&root)?;
     let notes = mjcf.notes;

@@ -61,7 +61,13 @@ pub(crate) struct LinkJoint {
     pub(crate) reference: f64,
     /// Least and greatest position from the place of the file.
     pub(crate) limits: Option<[f64; 2]>,
+    /// Its own springs and dampers, and those of actuators.
     pub(crate) springs: Vec<Spring>,
+    /// Greatest forces of its actuators whose force a control gives. Infinite for one without a bound.
+    pub(crate) motors: Vec<f64>,
+    /// Greatest force of all its actuators together.
+    pub(crate) effort: Option<f64>,
+    pub(crate) armature: f64,
     pub(crate) friction: f64,
 }
 
@@ -71,8 +77,8 @@ pub(crate) struct Spring {
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
     pub(crate) target: f64,
-    /// Greatest force. Infinite for what is no actuator.
-    pub(crate) most: f64,
+    /// Greatest force. `None` for what is no actuator, infinite for one without a bound.
+    pub(crate) most: Option<f64>,
 }
 
 /// A collider of a link.

@@ -170,6 +170,7 @@ impl Urdf<'_> {
             return Err(element.wrong("the axis is 0, expected a direction"));
         };
         let limits = self.limits(element, motion)?;
+        let effort = self.effort(element)?;
         let dynamics = element.child("dynamics");
         let constant = |key: &str| -> Result<f64> {
             let number = dynamics.map_or(Ok(None), |dynamics| dynamics.number(key))?.unwrap_or(0.0);
@@ -178,7 +179,7 @@ impl Urdf<'_> {
         let (damping, friction) = (constant("damping")?, constant("friction")?);
         let mut springs = Vec::new();
         if damping > 0.0 {
-            springs.push(Spring { stiffness: 0.0, damping, target: 0.0, most: f64::INFINITY });
+            springs.push(Spring { stiffness: 0.0, damping, target: 0.0, most: None });
         }
         for other in &element.children {
             if !["origin", "parent", "child", "axis", "limit", "dynamics"].contains(&other.name.as_str()) {
@@ -186,8 +187,21 @@ impl Urdf<'_> {
             }
         }
         let element = element.alone();
-        link.joints.push(LinkJoint { name, element, motion, at: DVec3::ZERO, axis, reference: 0.0, limits, springs, friction });
+        let (at, reference, motors, armature) = (DVec3::ZERO, 0.0, Vec::new(), 0.0);
+        let joint =
+            LinkJoint { name, element, motion, at, axis, reference, limits, springs, motors, effort, armature, friction };
+        link.joints.push(joint);
         Ok(())
+    }
+
+    /// The greatest force of motors. 0 stands for none.
+    fn effort(&mut self, joint: &Element) -> Result<Option<f64>> {
+        let Some(limit) = joint.child("limit") else { return Ok(None) };
+        if limit.number("velocity")?.is_some_and(|number| number != 0.0) {
+            self.notes.ignored_attribute(limit, "velocity");
+        }
+        let effort = limit.number("effort")?.unwrap_or(0.0);
+        Ok(Some(not_negative(limit, "effort", effort)?).filter(|effort| *effort > 0.0))
     }
 
     fn limits(&mut self, joint: &Element, motion: Motion) -> Result<Option<[f64; 2]>> {
@@ -198,11 +212,6 @@ impl Urdf<'_> {
             }
             return Ok(None);
         };
-        for key in ["effort", "velocity"] {
-            if limit.number(key)?.is_some_and(|number| number != 0.0) {
-                self.notes.ignored_attribute(limit, key);
-            }
-        }
         if is_continuous || motion == Motion::Ball {
             return Ok(None);
         }

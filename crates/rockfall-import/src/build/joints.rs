@@ -102,28 +102,30 @@ impl Builder<'_> {
         joint.limits(((least - start) as f32).min(0.0), ((greatest - start) as f32).max(0.0))
     }
 
-    /// Adds all springs and dampers of a joint as one.
+    /// Adds all springs and dampers of a joint as one. The bound of actuators does not hold for the damping of the joint.
     fn sprung(&mut self, joint: Joint, of: &LinkJoint, start: f64) -> Joint {
         let springs: Vec<&Spring> = of.springs.iter().filter(|spring| spring.stiffness > 0.0 || spring.damping > 0.0).collect();
-        if springs.is_empty() {
-            return joint;
+        let bounds: Vec<f64> = springs.iter().filter_map(|spring| spring.most).chain(of.motors.iter().copied()).collect();
+        let together = if bounds.is_empty() { f64::INFINITY } else { bounds.iter().sum() };
+        let most = together.min(of.effort.unwrap_or(f64::INFINITY)) as f32;
+        let has_own = springs.iter().any(|spring| spring.most.is_none() && spring.stiffness > 0.0);
+        let is_bounded = most.is_finite() && !has_own;
+        if most.is_finite() && has_own {
+            let text =
+                "the greatest force of its actuators is not taken over, because it would bound the spring of the joint, too";
+            self.notes.add(&of.element, text);
         }
         let stiffness: f64 = springs.iter().map(|spring| spring.stiffness).sum();
-        let damping: f64 = springs.iter().map(|spring| spring.damping).sum();
-        let mut joint = joint.spring(stiffness as f32, damping as f32);
+        let damping = |is_drag: bool| {
+            let of_it = springs.iter().filter(|spring| (is_bounded && spring.most.is_none()) == is_drag);
+            of_it.map(|spring| spring.damping).sum::<f64>() as f32
+        };
+        let mut joint = joint.spring(stiffness as f32, damping(false)).drag(damping(true)).armature(of.armature as f32);
         if stiffness > 0.0 {
             let moment: f64 = springs.iter().map(|spring| spring.stiffness * spring.target).sum();
             joint = joint.target((moment / stiffness - start) as f32);
         }
-        let bounds = springs.iter().filter(|spring| spring.most.is_finite()).count();
-        if bounds == springs.len() {
-            joint = joint.max_force(springs.iter().map(|spring| spring.most).sum::<f64>() as f32);
-        } else if bounds > 0 {
-            let text =
-                "the greatest force of its actuator is not taken over, because it would bound the spring and the damping too";
-            self.notes.add(&of.element, text);
-        }
-        joint
+        if is_bounded { joint.max_force(most) } else { joint }
     }
 
     /// Lets two bodies never touch: a distance joint that allows every distance.

@@ -2,6 +2,7 @@
 
 use super::Mjcf;
 use super::defaults::{Attributes, Defaults};
+use super::joints::greatest;
 use crate::error::Result;
 use crate::model::{LinkJoint, Motion, Spring};
 use crate::urdf::not_negative;
@@ -10,20 +11,31 @@ use crate::xml::{Element, quoted};
 /// Greatest number of names in a note.
 const MOST_NAMES: usize = 100;
 
-/// The gains of an actuator: its force is kp (control - position) - kv speed.
-struct Gains {
-    kp: f64,
-    kv: f64,
+/// What the force of an actuator is, before its gear.
+enum Force {
+    /// kp (control - position) - kv speed.
+    Spring {
+        kp: f64,
+        kv: f64,
+    },
+    /// The control times this.
+    Control(f64),
+    Other,
 }
 
 impl Mjcf<'_> {
-    /// Notes the actuators whose force a control gives.
+    /// Notes the actuators whose force a control gives, and those that are left out.
     pub(super) fn note_forces(&mut self) {
-        let Some((place, _)) = self.forces.first() else { return };
-        let joints: Vec<&str> = self.forces.iter().map(|(_, joint)| joint.as_str()).take(MOST_NAMES).collect();
-        let more = if self.forces.len() > joints.len() { " and others" } else { "" };
-        let text = "actuators with a force or torque that a control gives are left out, those of";
-        self.notes.push(format!("{place}: {text} {}{more}", joints.join(", ")));
+        let texts = [
+            "a program sets the effort of joints in place of actuators with a force or torque that a control gives, that of",
+            "actuators that are no motor, spring or damper are left out, those of",
+        ];
+        for (text, forces) in texts.iter().zip(&self.forces) {
+            let Some((place, _)) = forces.first() else { continue };
+            let joints: Vec<&str> = forces.iter().map(|(_, joint)| joint.as_str()).take(MOST_NAMES).collect();
+            let more = if forces.len() > joints.len() { " and others" } else { "" };
+            self.notes.push(format!("{place}: {text} {}{more}", joints.join(", ")));
+        }
     }
 
     /// Adds the spring of an actuator to its joint, with the control 0.
@@ -40,42 +52,53 @@ impl Mjcf<'_> {
             }
             return Err(element.wrong(format!("no joint has the name {}, expected the name of a joint", quoted(name))));
         };
-        let Some(Gains { kp, kv }) = gains(&of)? else {
-            self.forces.push((element.place(), name.to_owned()));
-            return Ok(());
-        };
+        let force = force(&of)?;
         let gear = of.first("gear")?.unwrap_or(1.0);
-        let bounds = of.range("forcerange")?;
-        let is_bounded = of.is_limited("forcelimited", bounds.is_some(), self.compiler.autolimits);
-        let most = match bounds.filter(|_| is_bounded) {
-            Some([least, greatest]) => (least.abs().max(greatest.abs()) * gear.abs()).max(f64::MIN_POSITIVE),
-            None => f64::INFINITY,
+        let bound = |range: &str, limited: &str| {
+            let bounds = of.range(range)?;
+            let is_bounded = of.is_limited(limited, bounds.is_some(), self.compiler.autolimits);
+            Ok(bounds.filter(|_| is_bounded).map_or(f64::INFINITY, |bounds| greatest(bounds) * gear.abs()))
         };
+        let most = bound("forcerange", "forcelimited")?;
+        let controlled = bound("ctrlrange", "ctrllimited")?;
         let joint: &mut LinkJoint = &mut self.links[link].joints[number];
         if joint.motion == Motion::Ball {
             self.notes.add(element, "it drives a ball joint, so it is left out");
             return Ok(());
         }
-        // The control is a position of the file.
-        joint.springs.push(Spring { stiffness: kp * gear * gear, damping: kv * gear * gear, target: -joint.reference, most });
+        match force {
+            Force::Spring { kp, kv } => {
+                // The control is a position of the file.
+                let (stiffness, damping, target) = (kp * gear * gear, kv * gear * gear, -joint.reference);
+                joint.springs.push(Spring { stiffness, damping, target, most: Some(most) });
+            }
+            Force::Control(gain) => {
+                joint.motors.push(most.min(controlled * gain.abs()));
+                self.forces[0].push((element.place(), name.to_owned()));
+            }
+            Force::Other => self.forces[1].push((element.place(), name.to_owned())),
+        }
         Ok(())
     }
 }
 
-/// The gains of an actuator that is a spring or a damper. `None` for others.
-fn gains(of: &Attributes<'_>) -> Result<Option<Gains>> {
+fn force(of: &Attributes<'_>) -> Result<Force> {
     let element = of.element;
     let gain = |key: &str, default: f64| not_negative(element, key, of.number(key)?.unwrap_or(default));
     Ok(match element.name.as_str() {
-        "position" => Some(Gains { kp: gain("kp", 1.0)?, kv: gain("kv", 0.0)? }),
-        "velocity" => Some(Gains { kp: 0.0, kv: gain("kv", 1.0)? }),
-        "damper" => None,
-        "general" if of.get("biastype") == Some("affine") && matches!(of.get("gaintype"), None | Some("fixed")) => {
+        "position" => Force::Spring { kp: gain("kp", 1.0)?, kv: gain("kv", 0.0)? },
+        "velocity" => Force::Spring { kp: 0.0, kv: gain("kv", 1.0)? },
+        "motor" => Force::Control(1.0),
+        "general" if !matches!(of.get("gaintype"), None | Some("fixed")) => Force::Other,
+        "general" if of.get("biastype") == Some("affine") => {
             let bias = of.list("biasprm")?.unwrap_or_default();
             let at = |place: usize| -bias.get(place).copied().unwrap_or(0.0);
             let (kp, kv) = (not_negative(element, "-biasprm", at(1))?, not_negative(element, "-biasprm", at(2))?);
-            Some(Gains { kp, kv })
+            Force::Spring { kp, kv }
         }
-        _ => None,
+        "general" if matches!(of.get("biastype"), None | Some("none")) => {
+            Force::Control(of.list("gainprm")?.and_then(|gains| gains.first().copied()).unwrap_or(1.0))
+        }
+        _ => Force::Other,
     })
 }

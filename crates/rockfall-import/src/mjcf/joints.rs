@@ -20,6 +20,9 @@ impl Mjcf<'_> {
             "ball" => Motion::Ball,
             "free" => {
                 self.links[link].is_free = true;
+                if of.number("armature")?.is_some_and(|armature| armature != 0.0) {
+                    self.notes.ignored_attribute(element, "armature");
+                }
                 return Ok(());
             }
             _ => return Err(element.wrong(format!("type={} is unknown, expected hinge, slide, ball or free", quoted(kind)))),
@@ -35,11 +38,12 @@ impl Mjcf<'_> {
         let limits = range.filter(|_| is_limited).map(|range| range.map(|bound| bound * unit - start));
         let springs = passive(&of, unit, start)?;
         let friction = not_negative(element, "frictionloss", of.first("frictionloss")?.unwrap_or(0.0))?;
-        for key in ["armature", "springdamper", "actuatorfrcrange"] {
-            let Some(values) = of.list(key)? else { continue };
-            if values.iter().any(|value| *value != 0.0) {
-                self.notes.ignored_attribute(element, key);
-            }
+        let armature = not_negative(element, "armature", of.number("armature")?.unwrap_or(0.0))?;
+        let bounds = of.range("actuatorfrcrange")?;
+        let is_bounded = of.is_limited("actuatorfrclimited", bounds.is_some(), self.compiler.autolimits);
+        let effort = bounds.filter(|_| is_bounded).map(greatest);
+        if of.list("springdamper")?.is_some_and(|values| values.iter().any(|value| *value != 0.0)) {
+            self.notes.ignored_attribute(element, "springdamper");
         }
         if motion == Motion::Ball && springs.iter().any(|spring| spring.stiffness > 0.0) {
             self.notes.add(element, "the stiffness of the ball joint acts on its twist about one axis");
@@ -65,10 +69,18 @@ impl Mjcf<'_> {
             reference: start,
             limits,
             springs,
+            motors: Vec::new(),
+            effort,
+            armature,
             friction,
         });
         Ok(())
     }
+}
+
+/// The greater size of both bounds of a force, not 0.
+pub(super) fn greatest([least, greatest]: [f64; 2]) -> f64 {
+    least.abs().max(greatest.abs()).max(f64::MIN_POSITIVE)
 }
 
 /// The spring and the damper of a joint.
@@ -76,5 +88,5 @@ fn passive(of: &Attributes<'_>, unit: f64, start: f64) -> Result<Vec<Spring>> {
     let stiffness = not_negative(of.element, "stiffness", of.first("stiffness")?.unwrap_or(0.0))?;
     let damping = not_negative(of.element, "damping", of.first("damping")?.unwrap_or(0.0))?;
     let target = of.number("springref")?.unwrap_or(0.0) * unit - start;
-    Ok(vec![Spring { stiffness, damping, target, most: f64::INFINITY }])
+    Ok(vec![Spring { stiffness, damping, target, most: None }])
 }

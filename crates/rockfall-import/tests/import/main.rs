@@ -2,6 +2,7 @@
 
 mod common;
 mod errors;
+mod fuzz;
 mod hostile;
 mod mjcf;
 mod motion;

@@ -77,7 +77,7 @@ fn masses_places_and_joints() {
     close(slide.limits.unwrap().map(f64::from), [-1.25, 0.75]);
     close(body(&scene, "cart").centre(), [0.1, 2.0, 1.0]);
     assert_eq!(joint(&scene, "ball").kind, JointKind::Ball);
-    for expected in ["left out, those of slide", "<keyframe> are not taken over", "greatest force of its actuator"] {
+    for expected in ["a control gives, that of slide", "<keyframe> are not taken over", "greatest force of its actuator"] {
         assert!(imported.notes.iter().any(|note| note.contains(expected)), "{expected:?} in {:#?}", imported.notes);
     }
 }
@@ -145,4 +145,37 @@ fn included_files() {
     std::fs::write(folder.path().join("defaults.xml"), defaults).unwrap();
     let scene = rockfall_import::load_mjcf(&path).unwrap().scene;
     close([mass(&scene, "part").mass], [0.5]);
+}
+
+/// Actuators have a bound, and the damping of their joint is a drag then. Their force is an effort.
+#[test]
+fn actuators_rotors_and_their_bounds() {
+    let text = r#"<mujoco><worldbody>
+      <body name="a"><freejoint armature="1"/><geom size="0.1"/>
+        <body name="b" pos="1 0 0"><joint name="bounded" damping="0.5" armature="0.25"/><geom size="0.1"/>
+          <body name="c" pos="1 0 0"><joint name="servo" damping="0.5" actuatorfrcrange="-2 7"/><geom size="0.1"/>
+            <body name="d" pos="1 0 0"><joint name="free" damping="0.5" actuatorfrclimited="false" actuatorfrcrange="-2 7"/>
+              <geom size="0.1"/>
+            </body>
+          </body>
+        </body>
+      </body>
+    </worldbody><actuator>
+      <motor joint="bounded" gear="30" ctrlrange="-0.5 0.4"/>
+      <general joint="bounded" gainprm="4" ctrlrange="-1 1" forcerange="-3 3"/>
+      <position joint="servo" kp="20" kv="1" forcerange="-9 9"/>
+      <motor joint="free"/>
+    </actuator></mujoco>"#;
+    let imported = import(text).unwrap();
+    let numbers = |name: &str| {
+        let joint = joint(&imported.scene, name);
+        [joint.stiffness, joint.damping, joint.drag, joint.armature, joint.max_force]
+    };
+    assert_eq!(numbers("bounded"), [0.0, 0.0, 0.5, 0.25, 15.0 + 3.0]);
+    assert_eq!(numbers("servo"), [20.0, 1.0, 0.5, 0.0, 7.0]);
+    assert_eq!(numbers("free"), [0.0, 0.5, 0.0, 0.0, f32::INFINITY]);
+    let expected = ["a control gives, that of bounded, bounded, free", "<freejoint>: the attribute armature is not taken over"];
+    for expected in expected {
+        assert!(imported.notes.iter().any(|note| note.ends_with(expected)), "{expected:?} in {:#?}", imported.notes);
+    }
 }

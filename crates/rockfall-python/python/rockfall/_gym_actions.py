@@ -12,7 +12,6 @@ from gymnasium import spaces
 
 from rockfall._arrays import FloatArray, floats, integers, whole
 from rockfall._look import number
-from rockfall._world_mechanisms import FASTEST
 from rockfall._worlds import Worlds
 
 
@@ -60,7 +59,7 @@ class Motor:
     joint: int | str
     #: Greatest torque in mass units²/s², or force in mass units/s².
     strength: float = 1.0
-    #: Speed up to which the motor pushes, in rad/s or units/s. By default more than joints reach.
+    #: Speed up to which the motor pushes, in rad/s or units/s. By default there is no such speed.
     fastest: float | None = None
 
     def _place(self, worlds: Worlds, place: int) -> int:
@@ -114,7 +113,7 @@ class Actuators:
         self._joints = np.array([motor._place(self._worlds, place) for place, motor in enumerate(motors)], np.int64)
         strengths = [number(f"motors[{place}].strength", motor.strength) for place, motor in enumerate(motors)]
         fastest = [
-            FASTEST if motor.fastest is None else number(f"motors[{place}].fastest", motor.fastest, positive=True)
+            np.inf if motor.fastest is None else number(f"motors[{place}].fastest", motor.fastest, positive=True)
             for place, motor in enumerate(motors)
         ]
         self._strengths, self._fastest = np.array(strengths, np.float32), np.array(fastest, np.float32)
@@ -156,4 +155,9 @@ class Actuators:
             added: Any = np.einsum("wf,fni->wni", forces, self._on)
             self._worlds.external_forces = self._forces + added
         if len(self._joints):
-            self._worlds.set_joint_forces(motors * self._strengths, joints=self._joints, fastest=self._fastest)
+            forces, free = motors * self._strengths, np.isinf(self._fastest)
+            if free.any():
+                self._worlds.set_joint_forces(forces[:, free], joints=self._joints[free])
+            if not free.all():
+                bound = self._fastest[~free]
+                self._worlds.set_joint_forces(forces[:, ~free], joints=self._joints[~free], fastest=bound)

@@ -61,6 +61,9 @@ class JointObjects(Bodies):
         target: float | None = None,
         stiffness: float = 0.0,
         damping: float = 0.0,
+        effort: float = 0.0,
+        drag: float = 0.0,
+        armature: float = 0.0,
         friction: float = 0.0,
         break_force: float | None = None,
         break_torque: float | None = None,
@@ -92,11 +95,18 @@ class JointObjects(Bodies):
         speed : float, optional
             Speed of a motor, in rad/s or units/s.
         max_force : float, optional
-            Greatest force in mass units/s² or torque in mass units²/s² of the motor and of the spring. No bound by default.
+            Greatest force in mass units/s² or torque in mass units²/s² of the motor, and of the spring with the effort. No bound by
+            default.
         target : float, optional
             Position at which the spring rests; that of the start by default.
         stiffness, damping : float, optional
             Of the spring, in force or torque per unit or rad, and per unit/s or rad/s.
+        effort : float, optional
+            A force along the axis in mass units/s² or a torque about it in mass units²/s², on `b`.
+        drag : float, optional
+            Damping that `max_force` does not bound.
+        armature : float, optional
+            Inertia of a rotor that turns with the joint, in mass units², or in mass for one that slides.
         friction : float, optional
             Greatest force or torque of friction.
         break_force, break_torque : float, optional
@@ -121,7 +131,8 @@ class JointObjects(Bodies):
         place = (vector("at", at), vector("to", at if to is None else to), vector("axis", _X if axis is None else axis, is_direction=True))
         single = {
             "cone": cone, "speed": speed, "max_force": max_force, "target": target, "stiffness": stiffness or None,
-            "damping": damping or None, "friction": friction or None, "break_force": break_force, "break_torque": break_torque,
+            "damping": damping or None, "effort": effort or None, "drag": drag or None, "armature": armature or None,
+            "friction": friction or None, "break_force": break_force, "break_torque": break_torque,
         }  # fmt: skip
         if limits is not None:
             if np.shape(limits) != (2,):
@@ -151,8 +162,8 @@ class JointObjects(Bodies):
         joints : array_like of int, shape (N,) or ()
             Numbers of joints, as :meth:`add_joint` returned them.
         **numbers : array_like, shape (N,) or ()
-            ``speed`` (nan for no motor), ``max_force``, ``target`` (nan for that of the start), ``stiffness``, ``damping``, ``friction``,
-            ``lower``, ``upper``, ``cone``, ``length``, ``break_force`` and ``break_torque``, with the units of :meth:`add_joint`.
+            ``speed`` (nan for no motor), ``max_force``, ``target`` (nan for that of the start), ``stiffness``, ``damping``, ``effort``,
+            ``drag``, ``armature``, ``friction``, ``lower``, ``upper``, ``cone``, ``length``, ``break_force`` and ``break_torque``, with the units of :meth:`add_joint`.
 
         Raises
         ------

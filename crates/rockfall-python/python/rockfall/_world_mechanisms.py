@@ -13,8 +13,6 @@ from rockfall._joints import JointReadings
 from rockfall._rigid import BodyFields
 from rockfall._world_states import WorldStates, frozen, hidden, mask_of
 
-#: Speed of a motor that exerts all of its force at every speed that joints reach, in rad/s or units/s.
-FASTEST = 1e6
 #: Fields of bodies in a row of numbers.
 _COLUMNS = {"position": 0, "orientation": 3, "velocity": 7, "angular_momentum": 10, "spin": 13,
             "force": 16, "torque": 19}  # fmt: skip
@@ -130,13 +128,13 @@ class WorldMechanisms(WorldStates):
         worlds: npt.ArrayLike | None = None,
         *,
         joints: npt.ArrayLike | None = None,
-        fastest: npt.ArrayLike = FASTEST,
+        fastest: npt.ArrayLike | None = None,
     ) -> None:
-        """Let motors exert torques on the axes of hinges and forces on those of sliders, until they are changed.
+        """Exert torques on the axes of hinges and forces on those of sliders, until they are changed.
 
-        The motor of each joint seeks the speed ``fastest`` in the direction of the force, and its greatest force is the size
-        of it: ``speed`` and ``max_force`` of :meth:`set_joints`. A joint that turns faster is braked. ``max_force`` also
-        bounds springs and dampers of the joints.
+        A force is the ``effort`` of :meth:`set_joints`. With ``fastest``, a motor seeks that speed in the direction of the force,
+        and its greatest force is the size of it: ``speed`` and ``max_force`` of :meth:`set_joints`. A joint that turns faster is
+        braked, and ``max_force`` also bounds springs and their dampers.
 
         Parameters
         ----------
@@ -145,7 +143,7 @@ class WorldMechanisms(WorldStates):
         worlds, joints
             As for :meth:`set_joints`.
         fastest : array_like, shape (K, J), (J,) or ()
-            Speed up to which the motors push, in rad/s or units/s, not negative. By default more than joints reach.
+            Speed up to which motors push, in rad/s or units/s, not negative. By default there is no such speed.
 
         Raises
         ------
@@ -153,7 +151,11 @@ class WorldMechanisms(WorldStates):
             As for :meth:`set_joints`.
         """
         given = np.asarray(forces, dtype=np.float32)
-        self.set_joints(worlds, joints, speed=np.sign(given) * np.asarray(fastest, np.float32), max_force=np.abs(given))
+        if fastest is None:
+            self.set_joints(worlds, joints, effort=given, speed=np.nan)
+            return
+        speed = np.sign(given) * np.asarray(fastest, np.float32)
+        self.set_joints(worlds, joints, speed=speed, max_force=np.abs(given), effort=0.0)
 
     def place_joints(
         self, positions: npt.ArrayLike, speeds: npt.ArrayLike = 0.0, worlds: npt.ArrayLike | None = None

@@ -48,6 +48,9 @@ fn put_joint(head: &mut Head, scene: &Scene, joint: &Joint) {
         target,
         stiffness,
         damping,
+        effort,
+        drag,
+        armature,
         friction,
         break_force,
         break_torque,
@@ -70,7 +73,7 @@ fn put_joint(head: &mut Head, scene: &Scene, joint: &Joint) {
     }
     let [least, greatest] = limits.map_or([None; 2], |limits| limits.map(Some));
     [least, greatest, *cone, *speed, *target, *length].into_iter().for_each(|number| head.known(number));
-    let numbers = [max_force, stiffness, damping, friction, break_force, break_torque];
+    let numbers = [max_force, stiffness, damping, effort, drag, armature, friction, break_force, break_torque];
     numbers.into_iter().for_each(|number| head.f32(*number));
     head.u32(u32::from(*collides));
 }
@@ -93,6 +96,7 @@ fn read_joint(words: &mut Words, scene: &Scene) -> Result<Joint, Damage> {
         return Err(Damage::new(format!("a joint of the kind {kind} has a length, or a distance joint has none")));
     }
     (joint.max_force, joint.stiffness, joint.damping) = (words.f32()?, words.f32()?, words.f32()?);
+    (joint.effort, joint.drag, joint.armature) = (words.f32()?, words.f32()?, words.f32()?);
     (joint.friction, joint.break_force, joint.break_torque) = (words.f32()?, words.f32()?, words.f32()?);
     joint.collides = words.bool()?;
     Ok(joint)

@@ -155,6 +155,7 @@ impl<'a> Frame<'a> {
         colours::colour(&mut contacts, &bodies, &world.history);
         let mut frame = Self::new(world, bodies, contacts, h);
         frame.refresh();
+        frame.joints.start_rotors(&frame.bodies);
         frame
     }
 

@@ -65,8 +65,14 @@ pub(crate) struct Drive {
     pub(crate) stiffness: f32,
     /// In force per unit of the speed.
     pub(crate) damping: f32,
-    /// The greatest force of the spring.
+    /// A force along the axis.
+    pub(crate) effort: f32,
+    /// The greatest force of the spring and the effort.
     pub(crate) spring_limit: f32,
+    /// In force per unit of the speed, without a bound.
+    pub(crate) drag: f32,
+    /// Inertia of a rotor that moves with the position.
+    pub(crate) armature: f32,
     /// Speed of the motor.
     pub(crate) speed: f32,
     /// The greatest force of the motor. 0 without a motor.
@@ -76,6 +82,11 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
+    /// Whether something depends on the rate of the axis at the end of a substep, or is an effort.
+    pub(crate) fn acts(&self) -> bool {
+        self.effort != 0.0 || [self.stiffness, self.damping, self.drag, self.armature].iter().any(|number| *number > 0.0)
+    }
+
     /// Speed and greatest force of the motor at a position: in a substep of `h` it goes no farther than to its limit, and at the limit it
     /// does not push on.
     pub(crate) fn motor_at(&self, position: f32, h: f32) -> [f32; 2] {
@@ -98,7 +109,10 @@ impl Default for Drive {
             target: 0.0,
             stiffness: 0.0,
             damping: 0.0,
+            effort: 0.0,
             spring_limit: f32::INFINITY,
+            drag: 0.0,
+            armature: 0.0,
             speed: 0.0,
             motor_limit: 0.0,
             friction: 0.0,
@@ -134,10 +148,14 @@ pub(crate) struct JointImpulses {
     pub(crate) lower: f32,
     pub(crate) upper: f32,
     pub(crate) cone: f32,
+    /// Of the drive of a ball, about the axes of the joint frame of A.
+    pub(crate) resistance: Vec3,
+    /// Of the drive along the free axis.
+    pub(crate) drive: f32,
 }
 
 impl JointImpulses {
-    pub(crate) const COUNT: usize = 12;
+    pub(crate) const COUNT: usize = 16;
 
     /// The impulses of another substep, in proportion to its length `h`. Rows that are no more have none.
     pub(crate) fn begun(self, kind: Kind, drive: &Drive, ratio: f32, h: f32) -> Self {
@@ -155,17 +173,23 @@ impl JointImpulses {
         own.lower = unless(drive.limits[0] == f32::NEG_INFINITY, own.lower);
         own.upper = unless(drive.limits[1] == f32::INFINITY, own.upper);
         own.cone = unless(drive.cone == f32::INFINITY, own.cone);
+        own.drive = unless(!drive.acts(), own.drive);
+        if drive.damping + drive.drag + drive.armature == 0.0 {
+            own.resistance = Vec3::ZERO;
+        }
         own
     }
 
     pub(crate) fn to_array(self) -> [f32; Self::COUNT] {
-        let ([a, b, c], [d, e, f]) = (self.linear.to_array(), self.angular.to_array());
-        [a, b, c, self.locked, d, e, f, self.motor, self.friction, self.lower, self.upper, self.cone]
+        let [[a, b, c], [d, e, f], [g, h, i]] = [self.linear, self.angular, self.resistance].map(|vector| vector.to_array());
+        let Self { locked, motor, friction, lower, upper, cone, drive, .. } = self;
+        [a, b, c, locked, d, e, f, motor, friction, lower, upper, cone, g, h, i, drive]
     }
 
     pub(crate) fn from_array(all: [f32; Self::COUNT]) -> Self {
-        let [a, b, c, locked, d, e, f, motor, friction, lower, upper, cone] = all;
-        Self { linear: Vec3::new(a, b, c), angular: Vec3::new(d, e, f), locked, motor, friction, lower, upper, cone }
+        let [a, b, c, locked, d, e, f, motor, friction, lower, upper, cone, g, h, i, drive] = all;
+        let [linear, angular, resistance] = [[a, b, c], [d, e, f], [g, h, i]].map(Vec3::from_array);
+        Self { linear, angular, locked, motor, friction, lower, upper, cone, resistance, drive }
     }
 }
 
@@ -183,8 +207,10 @@ pub(crate) struct JointState {
     pub(crate) torque: Vec3,
     /// It exerts nothing any more.
     pub(crate) broken: bool,
-    /// Impulse of a damper between both visits of the biased pass, otherwise 0.
-    pub(crate) spring: f32,
+    /// How far the spring is off in this substep.
+    pub(crate) off: f32,
+    /// Rate of the rotor within a frame; of a ball about the axes of the joint frame of A, otherwise the first number.
+    pub(crate) rotor: Vec3,
 }
 
 impl JointState {
@@ -213,7 +239,7 @@ impl JointState {
         let impulses = JointImpulses::from_array(*impulses);
         let is_limit = [impulses.lower, impulses.upper, impulses.cone].iter().all(|impulse| *impulse >= 0.0);
         let fits = all.iter().all(|number| number.is_finite()) && is_limit && *broken < 2;
-        fits.then_some(Self { impulses, force, torque, broken: *broken == 1, spring: 0.0 })
+        fits.then_some(Self { impulses, force, torque, broken: *broken == 1, ..Self::default() })
     }
 }
 

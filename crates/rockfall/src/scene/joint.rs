@@ -139,7 +139,8 @@ pub struct Joint {
     pub cone: Option<f32>,
     /// Speed of the motor in rad/s or units/s; `None` for no motor.
     pub speed: Option<f32>,
-    /// The greatest force of the motor in mass units/s², or its torque in mass units²/s². It bounds the spring too. It may be infinite.
+    /// The greatest force of the motor in mass units/s², or its torque in mass units²/s². It bounds the spring with the effort, too.
+    /// It may be infinite.
     pub max_force: f32,
     /// Position at which the spring rests; `None` for that at the start, which is 0 or [`Joint::length`].
     pub target: Option<f32>,
@@ -147,6 +148,14 @@ pub struct Joint {
     pub stiffness: f32,
     /// Damping of the spring, in mass/s, or in mass units²/s per rad. Not negative.
     pub damping: f32,
+    /// A force in mass units/s² along the axis, or a torque in mass units²/s² about it, that acts on the second body. A controller
+    /// may set it in every step.
+    pub effort: f32,
+    /// Damping that [`Joint::max_force`] does not bound, in mass/s, or in mass units²/s per rad. Not negative.
+    pub drag: f32,
+    /// Inertia of a rotor that turns with the joint, in mass units², or in mass for one that slides. Not negative. It resists
+    /// changes of the speed, and has no weight.
+    pub armature: f32,
     /// The greatest force or torque of friction. Not negative.
     pub friction: f32,
     /// The joint breaks at a greater mean force of a frame, in mass units/s². Infinite for a joint that does not break.
@@ -156,7 +165,7 @@ pub struct Joint {
     /// Whether its bodies collide. Those of other joints pass through each other.
     pub collides: bool,
     /// For a distance joint: the distance at the start, in units. `None` before it was added, for that of its anchors. It keeps
-    /// this distance unless it has limits, a motor, a spring or friction.
+    /// this distance unless it has limits, a motor, a spring, an effort, friction, drag or an armature.
     pub length: Option<f32>,
     pub(crate) laid: Laid,
 }
@@ -175,6 +184,9 @@ impl Joint {
             target: None,
             stiffness: 0.0,
             damping: 0.0,
+            effort: 0.0,
+            drag: 0.0,
+            armature: 0.0,
             friction: 0.0,
             break_force: f32::INFINITY,
             break_torque: f32::INFINITY,
@@ -251,7 +263,7 @@ impl Joint {
         self
     }
 
-    /// Sets the greatest force or torque of the motor and of the spring.
+    /// Sets the greatest force or torque of the motor, and of the spring with the effort.
     pub fn max_force(mut self, force: f32) -> Self {
         self.max_force = force;
         self
@@ -266,6 +278,24 @@ impl Joint {
     /// Sets the position at which the spring rests.
     pub fn target(mut self, position: f32) -> Self {
         self.target = Some(position);
+        self
+    }
+
+    /// Sets the force along the axis, or the torque about it.
+    pub fn effort(mut self, force: f32) -> Self {
+        self.effort = force;
+        self
+    }
+
+    /// Adds damping that [`Joint::max_force`] does not bound.
+    pub fn drag(mut self, drag: f32) -> Self {
+        self.drag = drag;
+        self
+    }
+
+    /// Adds the inertia of a rotor that turns with the joint.
+    pub fn armature(mut self, inertia: f32) -> Self {
+        self.armature = inertia;
         self
     }
 
@@ -318,8 +348,9 @@ impl Joint {
 
     /// Whether it is a distance joint that keeps its length.
     pub fn is_locked(&self) -> bool {
-        let is_free = self.limits.is_some() || self.speed.is_some() || self.has_spring() || self.friction > 0.0;
-        self.kind == JointKind::Distance && !is_free
+        let is_driven = self.speed.is_some() || self.has_spring() || self.effort != 0.0;
+        let is_slowed = [self.friction, self.drag, self.armature].iter().any(|number| *number > 0.0);
+        self.kind == JointKind::Distance && self.limits.is_none() && !is_driven && !is_slowed
     }
 }
 

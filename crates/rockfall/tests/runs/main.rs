@@ -6,6 +6,7 @@ mod common;
 
 mod behaviour;
 mod flow;
+mod machines;
 mod placement;
 mod properties;
 mod scenes;

@@ -4,16 +4,16 @@
 //
 // | array | rows of a joint |
 // |---|---|
-// | `joints` | place at A, cone; turn of A; place at B, target; turn of B; a, b, flags, frequency of the rows times the substep; limits, their middle, stiffness; damping, limit of the spring, speed, limit of the motor; friction, strengths, 0 |
-// | `joint_states` | impulses: three rows in the order of `JointImpulses::to_array`; force, 1 if it is broken; torque, 0. Within a frame, force and torque are sums of impulses, and the 0 is the impulse of a damper between two visits |
+// | `joints` | place at A, cone; turn of A; place at B, target; turn of B; a, b, flags, frequency of the rows times the substep; limits, their middle, stiffness; damping, limit of the spring, speed, limit of the motor; friction, strengths, 0; effort, drag, armature, 0 |
+// | `joint_states` | impulses: four rows in the order of `JointImpulses::to_array`; force, 1 if it is broken; torque, 0; 0. Within a frame, force and torque are sums of impulses, the 0 behind the torque is how far the spring is off, and the last row is the rate of the rotor, for a joint that is no ball in the first number |
 // | `joint_order` | no rows: the numbers of the joints, colour by colour |
 
 @group(0) @binding(42) var<storage, read> joints: array<vec4u>;
 @group(0) @binding(43) var<storage, read_write> joint_states: array<vec4f>;
 @group(0) @binding(44) var<storage, read> joint_order: array<u32>;
 
-const JOINT_ROWS: u32 = 8u;
-const JOINT_STATE_ROWS: u32 = 5u;
+const JOINT_ROWS: u32 = 9u;
+const JOINT_STATE_ROWS: u32 = 7u;
 // Flags. The first bits are those of the linear rows, the next ones those of the angular rows.
 const ANGULAR: u32 = 3u;
 const TURNS: u32 = 0x40u;
@@ -81,6 +81,8 @@ struct Impulses {
     lower: f32,
     upper: f32,
     cone: f32,
+    resistance: vec3f,
+    drive: f32,
 }
 
 struct Push {
@@ -93,7 +95,7 @@ fn joint_row(number: u32, k: u32) -> vec4f {
 }
 
 fn is_broken(number: u32) -> bool {
-    return joint_states[JOINT_STATE_ROWS * number + 3u].w != 0.0;
+    return joint_states[JOINT_STATE_ROWS * number + 4u].w != 0.0;
 }
 
 fn impulses_of(number: u32) -> Impulses {
@@ -101,7 +103,8 @@ fn impulses_of(number: u32) -> Impulses {
     let one = joint_states[at];
     let two = joint_states[at + 1u];
     let three = joint_states[at + 2u];
-    return Impulses(one.xyz, two.xyz, one.w, two.w, three.x, three.y, three.z, three.w);
+    let four = joint_states[at + 3u];
+    return Impulses(one.xyz, two.xyz, one.w, two.w, three.x, three.y, three.z, three.w, four.xyz, four.w);
 }
 
 fn put_impulses(number: u32, own: Impulses) {
@@ -109,10 +112,11 @@ fn put_impulses(number: u32, own: Impulses) {
     joint_states[at] = vec4f(own.linear, own.locked);
     joint_states[at + 1u] = vec4f(own.angular, own.motor);
     joint_states[at + 2u] = vec4f(own.friction, own.lower, own.upper, own.cone);
+    joint_states[at + 3u] = vec4f(own.resistance, own.drive);
 }
 
 fn add_load(number: u32, push: Push) {
-    let at = JOINT_STATE_ROWS * number + 3u;
+    let at = JOINT_STATE_ROWS * number + 4u;
     joint_states[at] += vec4f(push.impulse, 0.0);
     joint_states[at + 1u] += vec4f(push.moment, 0.0);
 }
@@ -241,9 +245,9 @@ fn push_along(joint: Joint, direction: vec3f, size: f32) -> Push {
 
 // What all impulses that are kept exert on B.
 fn push_of(joint: Joint, own: Impulses) -> Push {
-    var push = Push(joint.axes * own.linear, joint.axes * own.angular);
+    var push = Push(joint.axes * own.linear, joint.axes * (own.angular + own.resistance));
     if (joint.flags & DRIVEN) != 0u {
-        let size = own.locked + own.motor + own.friction + own.lower - own.upper;
+        let size = own.locked + own.motor + own.friction + own.lower - own.upper + own.drive;
         let more = push_along(joint, free_direction(joint), size);
         push.impulse += more.impulse;
         push.moment += more.moment;

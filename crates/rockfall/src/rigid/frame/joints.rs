@@ -1,15 +1,16 @@
 //! Joints: the warm start, and a visit of all joints in a pass (docs/physics section 11.14).
 
-use glam::{Mat3A, Vec3, Vec3A};
+use glam::{Vec3, Vec3A};
 
 use crate::rigid::frame::bodies::{Bodies, Motion};
 use crate::rigid::frame::rows::{Pass, Softness};
-use crate::rigid::joints::{Drive, Free, Joint, JointState, within};
+use crate::rigid::joints::{Drive, Joint, JointState, within};
 use crate::rigid::world::RigidWorld;
 
+mod drive;
 mod pivot;
 
-use pivot::{Block, Pivot, Row, inverse, mask, reduced};
+use pivot::{Block, Pivot, Row, inverse, mask};
 
 /// Damping ratio of the rows.
 const DAMPING: f32 = 2.0;
@@ -47,6 +48,20 @@ impl<'a> Joints<'a> {
         self.pivots.extend(self.order.iter().map(|number| Pivot::new(&self.list[*number], bodies)));
     }
 
+    /// Takes over the rates of the rotors at the start of the frame.
+    pub(super) fn start_rotors(&mut self, bodies: &Bodies) {
+        for (number, pivot) in self.order.iter().zip(&self.pivots) {
+            let (joint, state) = (&self.list[*number], &mut self.states[*number]);
+            let ends = Ends::of(pivot, joint, bodies);
+            state.rotor = match &pivot.free {
+                _ if joint.drive.armature == 0.0 => Vec3::ZERO,
+                _ if joint.kind.is_ball() => (pivot.axes.transpose() * ends.rate()).into(),
+                Some((row, _)) => ends.speed_of(row) * Vec3::X,
+                None => Vec3::ZERO,
+            };
+        }
+    }
+
     /// Applies the impulses of the last substep.
     pub(super) fn warm_start(&self, bodies: &mut Bodies) {
         for (number, pivot) in self.order.iter().zip(&self.pivots) {
@@ -69,8 +84,9 @@ impl<'a> Joints<'a> {
             let (number, pivot) = (self.order[at], &self.pivots[at]);
             let (joint, state) = (&self.list[number], &mut self.states[number]);
             let mut ends = Ends::of(pivot, joint, bodies);
-            Visit { biased: pass.biased, is_first, soft: self.soft[at], h: self.h }.solve(joint, state, &mut ends);
-            if !pass.biased && !is_first {
+            let visit = Visit { biased: pass.biased, is_first, soft: self.soft[at], h: self.h };
+            visit.solve(joint, state, &mut ends);
+            if visit.is_last() {
                 let (push, turn) = pivot.total(joint, state);
                 state.force += Vec3::from(push);
                 state.torque += Vec3::from(turn);
@@ -181,6 +197,11 @@ struct Visit {
 }
 
 impl Visit {
+    /// Whether this is the last visit of the substep.
+    fn is_last(&self) -> bool {
+        !self.biased && !self.is_first
+    }
+
     fn solve(&self, joint: &Joint, state: &mut JointState, ends: &mut Ends<'_>) {
         self.drive(joint, state, ends);
         let (own, axes) = (&mut state.impulses, &ends.pivot.axes);
@@ -194,6 +215,11 @@ impl Visit {
             own.linear += Vec3::from(step);
             ends.push(*axes * step);
         }
+    }
+
+    /// The part of a rate that a block takes away.
+    fn gain(&self) -> f32 {
+        if self.biased { self.soft.mass } else { 1.0 }
     }
 
     /// The change of the impulses of a block.
@@ -210,120 +236,124 @@ impl Visit {
     /// The rows of the free axis and of the cone.
     fn drive(&self, joint: &Joint, state: &mut JointState, ends: &mut Ends<'_>) {
         let drive = &joint.drive;
-        let free = ends.pivot.free;
-        match &free {
-            Some((row, position)) => {
-                self.spring(joint, *position, state, ends);
+        let is_ball = joint.kind.is_ball();
+        let mut free =
+            ends.pivot.free.map(|(row, position)| (Axis::new(row, if is_ball { 0.0 } else { drive.armature }), position));
+        match &mut free {
+            Some((axis, position)) => {
+                self.act(joint, *position, state, ends);
                 if !self.biased {
                     let [speed, most] = drive.motor_at(*position, self.h);
-                    self.motor(row, speed, most, &mut state.impulses.motor, ends);
+                    self.motor(axis, speed, most, &mut state.impulses.motor, ends);
                 }
             }
-            None => (state.impulses.motor, state.impulses.lower, state.impulses.upper) = (0.0, 0.0, 0.0),
+            None => {
+                let own = &mut state.impulses;
+                (own.motor, own.lower, own.upper, own.drive) = (0.0, 0.0, 0.0, 0.0);
+            }
         }
-        if joint.kind.is_ball() {
+        if is_ball {
             self.resist(drive, state, ends);
+            self.rub(drive, state, ends);
         }
-        if let Some((row, position)) = free {
-            self.hold(joint, &row, position, state, ends);
+        if let Some((axis, position)) = &mut free {
+            self.hold(joint, axis, *position, state, ends);
+            state.impulses.drive -= axis.taken();
+            if self.is_last() && drive.armature > 0.0 && !is_ball {
+                state.rotor.x += axis.row.inverse * axis.sum;
+            }
         }
         if let Some((row, angle)) = &ends.pivot.cone {
-            self.limit(row, drive.cone - angle, &mut state.impulses.cone, ends);
+            self.limit(&mut Axis::new(*row, 0.0), 1.0, drive.cone - angle, &mut state.impulses.cone, ends);
         }
     }
 
     /// Friction, limits and a locked distance.
-    fn hold(&self, joint: &Joint, row: &Row, position: f32, state: &mut JointState, ends: &mut Ends<'_>) {
+    fn hold(&self, joint: &Joint, axis: &mut Axis, position: f32, state: &mut JointState, ends: &mut Ends<'_>) {
         let (drive, own) = (&joint.drive, &mut state.impulses);
         if !joint.kind.is_ball() && !self.biased {
-            self.motor(row, 0.0, drive.friction, &mut own.friction, ends);
+            self.motor(axis, 0.0, drive.friction, &mut own.friction, ends);
         }
         let [low, high] = drive.limits;
-        self.limit(row, position - low, &mut own.lower, ends);
-        let opposite = Row { along: -row.along, ..*row };
-        self.limit(&opposite, high - position, &mut own.upper, ends);
+        self.limit(axis, 1.0, position - low, &mut own.lower, ends);
+        self.limit(axis, -1.0, high - position, &mut own.upper, ends);
         if drive.locked {
-            let speed = ends.speed_of(row);
+            let speed = ends.speed_of(&axis.row);
             let step = if self.biased {
-                -(self.soft.mass * speed + self.soft.rate * (position - drive.target)) / row.inverse
+                -(self.soft.mass * speed + self.soft.rate * (position - drive.target)) / axis.row.inverse
                     - self.soft.impulse * own.locked
             } else {
-                -speed / row.inverse
+                -speed / axis.row.inverse
             };
             own.locked += step;
-            ends.apply(row, step);
+            axis.apply(step, ends);
         }
     }
 
-    /// The spring in the first visit of the biased pass, a damper in both. Its impulse stays as it is.
-    fn spring(&self, joint: &Joint, position: f32, state: &mut JointState, ends: &mut Ends<'_>) {
-        let Drive { stiffness, damping, target, spring_limit, locked, .. } = joint.drive;
-        let damping = if joint.kind.is_ball() { 0.0 } else { damping };
-        let acts = if stiffness == 0.0 { damping > 0.0 } else { self.is_first };
-        if !self.biased || locked || !acts {
+    /// Friction of a ball, against all rotations.
+    fn rub(&self, drive: &Drive, state: &mut JointState, ends: &mut Ends<'_>) {
+        if self.biased || drive.friction == 0.0 {
             return;
         }
-        let h = self.h;
-        let off = if joint.kind.free == Free::Turn { reduced(position - target, 0.0) } else { position - target };
-        let [push, turn] = ends.pivot.spring_row(joint.kind);
-        let [moved, turned] = ends.pivot.response(push, turn);
-        let inverse = push.dot(moved) + turn.dot(turned);
-        let theta = (1.0 - 1.0 / (stiffness * h * h * inverse)).max(0.0);
-        let resistance = h * damping + theta * h * h * stiffness;
-        let speed = push.dot(ends.speed()) + turn.dot(ends.rate());
-        let before = std::mem::take(&mut state.spring);
-        let step = -(h * stiffness * off + resistance * speed + before) / (1.0 + resistance * inverse);
-        let all = within(before + step, spring_limit, h);
-        if self.is_first && stiffness == 0.0 {
-            state.spring = all;
-        }
-        let impulse = all - before;
-        ends.push(impulse * push);
-        ends.turn(impulse * turn);
-        state.force += Vec3::from(impulse * push);
-        state.torque += Vec3::from(impulse * turn);
-    }
-
-    /// Friction and damping of a ball, against all rotations.
-    fn resist(&self, drive: &Drive, state: &mut JointState, ends: &mut Ends<'_>) {
         let (give, axes) = (ends.pivot.turning(), ends.pivot.axes);
-        if self.biased && self.is_first && drive.damping > 0.0 {
-            let damped = give + Mat3A::from_diagonal(Vec3::splat((self.h * drive.damping).recip()));
-            let impulse = -(inverse(damped) * ends.rate());
-            ends.turn(impulse);
-            state.torque += Vec3::from(impulse);
-        } else if !self.biased && drive.friction > 0.0 {
-            let before = axes * Vec3A::from(state.impulses.angular);
-            let kept = (before - inverse(give) * ends.rate()).clamp_length_max(self.h * drive.friction);
-            state.impulses.angular = (axes.transpose() * kept).into();
-            ends.turn(kept - before);
-        }
+        let before = axes * Vec3A::from(state.impulses.angular);
+        let kept = (before - inverse(give) * ends.rate()).clamp_length_max(self.h * drive.friction);
+        state.impulses.angular = (axes.transpose() * kept).into();
+        ends.turn(kept - before);
     }
 
     /// A row towards a speed, with a greatest force.
-    fn motor(&self, row: &Row, speed: f32, most: f32, kept: &mut f32, ends: &mut Ends<'_>) {
+    fn motor(&self, axis: &mut Axis, speed: f32, most: f32, kept: &mut f32, ends: &mut Ends<'_>) {
         if most == 0.0 && *kept == 0.0 {
             return;
         }
         let before = *kept;
-        *kept = within(before - (ends.speed_of(row) - speed) / row.inverse, most, self.h);
-        ends.apply(row, *kept - before);
+        *kept = within(before - (ends.speed_of(&axis.row) - speed) / axis.row.inverse, most, self.h);
+        axis.apply(*kept - before, ends);
     }
 
-    /// A row that keeps a room from falling below 0. It grows along the row.
-    fn limit(&self, row: &Row, room: f32, kept: &mut f32, ends: &mut Ends<'_>) {
+    /// A row that keeps a room from falling below 0. It grows along the row, or against it with the side -1.
+    fn limit(&self, axis: &mut Axis, side: f32, room: f32, kept: &mut f32, ends: &mut Ends<'_>) {
         let before = *kept;
         if room == f32::INFINITY {
             return;
         }
-        let speed = ends.speed_of(row);
+        let (speed, inverse) = (side * ends.speed_of(&axis.row), axis.row.inverse);
         let step = match self.biased {
-            true if room > 0.0 => -(speed + room / self.h) / row.inverse,
-            true => -(self.soft.mass * speed + self.soft.rate * room) / row.inverse - self.soft.impulse * before,
-            false if room <= 0.0 || before > 0.0 => -speed / row.inverse,
+            true if room > 0.0 => -(speed + room / self.h) / inverse,
+            true => -(self.soft.mass * speed + self.soft.rate * room) / inverse - self.soft.impulse * before,
+            false if room <= 0.0 || before > 0.0 => -speed / inverse,
             false => return,
         };
         *kept = (before + step).max(0.0);
-        ends.apply(row, *kept - before);
+        axis.apply(side * (*kept - before), ends);
+    }
+}
+
+/// A row of a joint with the rotor that it takes along.
+struct Axis {
+    /// Its K is less by what the rotor resists.
+    row: Row,
+    /// The part of an impulse that the rotor takes.
+    share: f32,
+    /// Impulses of this visit.
+    sum: f32,
+}
+
+impl Axis {
+    fn new(row: Row, armature: f32) -> Self {
+        let taken = armature * row.inverse;
+        let (share, inverse) = (taken / (1.0 + taken), row.inverse / (1.0 + taken));
+        Self { row: Row { inverse, ..row }, share, sum: 0.0 }
+    }
+
+    fn apply(&mut self, impulse: f32, ends: &mut Ends<'_>) {
+        self.sum += impulse;
+        ends.apply(&self.row, impulse - self.share * impulse);
+    }
+
+    /// The impulse that the rotor took.
+    fn taken(&self) -> f32 {
+        self.share * self.sum
     }
 }

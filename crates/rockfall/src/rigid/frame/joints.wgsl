@@ -1,18 +1,12 @@
-// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/halt.wgsl rigid/frame/report.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/block.wgsl rigid/frame/drive.wgsl
+// requires rigid/frame/halt.wgsl rigid/frame/report.wgsl
 
 // The rows of joints (docs/physics section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
 // two words of `call` are the first entry of a colour in `joint_order` and the end.
 
-// m_s, r and i_s of the rows of a joint.
-struct JointSoftness {
-    gain: f32,
-    pull: f32,
-    loss: f32,
-}
-
-// Those of the joint of this thread, and whether this is the first of its two visits in the pass.
-var<private> soft: JointSoftness;
-var<private> is_first_visit: bool;
+// The part of an impulse along the free axis that a rotor takes, and the sum of these impulses in this visit.
+var<private> rotor_share: f32;
+var<private> pulled: f32;
 
 // Of a frequency times the substep, with the damping ratio 2.
 fn joint_softness(frequency: f32) -> JointSoftness {
@@ -23,78 +17,10 @@ fn joint_softness(frequency: f32) -> JointSoftness {
     return JointSoftness(gain, gain * turn / (first * frame.h), loss);
 }
 
-// A symmetric matrix: xx yy zz; xy xz yz.
-struct Tensor {
-    diagonal: vec3f,
-    beside: vec3f,
-}
-
-fn axes_in(bits: u32) -> vec3<bool> {
-    return (vec3u(bits) & vec3u(1u, 2u, 4u)) != vec3u(0u);
-}
-
-// K^-1 b for the rows that there are, by K = L D L^T.
-fn solved(k: Tensor, rows: vec3<bool>, right: vec3f) -> vec3f {
-    let d = select(vec3f(1.0), k.diagonal, rows);
-    let e = select(vec3f(0.0), k.beside, rows.xxy & rows.yzz);
-    let b = select(vec3f(0.0), right, rows);
-    let low_y = e.x / d.x;
-    let low_z = e.y / d.x;
-    let d_y = d.y - low_y * e.x;
-    let e_z = e.z - low_y * e.y;
-    let last = e_z / d_y;
-    let d_z = (d.z - low_z * e.y) - last * e_z;
-    let y = b.y - low_y * b.x;
-    let z = ((b.z - low_z * b.x) - last * y) / d_z;
-    let middle = y / d_y - last * z;
-    return vec3f(b.x / d.x - low_y * middle - low_z * z, middle, z);
-}
-
-// The change of the impulses of a block.
-fn block_change(k: Tensor, rows: vec3<bool>, rate: vec3f, off: vec3f, old: vec3f, biased: bool) -> vec3f {
-    if biased {
-        return solved(k, rows, -(soft.gain * rate + soft.pull * off)) - soft.loss * old;
-    }
-    return solved(k, rows, -rate);
-}
-
-fn linear_block(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
-    let one = lever_of(joint, ends, joint.axes[0], true);
-    let two = lever_of(joint, ends, joint.axes[1], true);
-    let three = lever_of(joint, ends, joint.axes[2], true);
-    let mass = (*ends).mass_a.inverse + (*ends).mass_b.inverse;
-    let k = Tensor(
-        vec3f(mass) + vec3f(shared_of(one, one), shared_of(two, two), shared_of(three, three)),
-        vec3f(shared_of(one, two), shared_of(one, three), shared_of(two, three)),
-    );
-    let rate = vec3f(rate_of(ends, one), rate_of(ends, two), rate_of(ends, three));
-    let change = block_change(k, axes_in(joint.flags), rate, joint.apart * joint.axes, old, biased);
-    push_ends(joint, ends, Push(joint.axes * change, vec3f(0.0)));
-    return old + change;
-}
-
-// What two levers have in common in K, without the masses.
-fn shared_of(one: Lever, two: Lever) -> f32 {
-    return dot(one.turn_a, two.response_a) + dot(one.turn_b, two.response_b);
-}
-
-fn angular_block(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
-    let rows = axes_in(joint.flags >> ANGULAR);
-    let both = Mass(
-        0.0, (*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside
-    );
-    let one = respond(both, joint.axes[0]);
-    let two = respond(both, joint.axes[1]);
-    let three = respond(both, joint.axes[2]);
-    let k = Tensor(
-        vec3f(dot(joint.axes[0], one), dot(joint.axes[1], two), dot(joint.axes[2], three)),
-        vec3f(dot(joint.axes[0], two), dot(joint.axes[0], three), dot(joint.axes[1], three)),
-    );
-    let rate = ((*ends).b.spin - (*ends).a.spin) * joint.axes;
-    let off = select(cross(joint.axes[0], joint.other) * joint.axes, 2.0 * joint.twist.xyz, all(rows));
-    let change = block_change(k, rows, rate, off, old, biased);
-    push_ends(joint, ends, Push(vec3f(0.0), joint.axes * change));
-    return old + change;
+// An impulse along the free axis, of which a rotor takes its part.
+fn pull_axis(ends: ptr<function, Ends>, lever: Lever, impulse: f32) {
+    pulled += impulse;
+    pull_ends(ends, lever, impulse - rotor_share * impulse);
 }
 
 fn locked_row(ends: ptr<function, Ends>, lever: Lever, off: f32, old: f32, biased: bool) -> f32 {
@@ -110,13 +36,13 @@ fn locked_row(ends: ptr<function, Ends>, lever: Lever, off: f32, old: f32, biase
 // A row that holds a speed with at most this impulse.
 fn motor_row(ends: ptr<function, Ends>, lever: Lever, speed: f32, most: f32, old: f32) -> f32 {
     let next = clamp(old - (rate_of(ends, lever) - speed) * lever.inverse, -most, most);
-    pull_ends(ends, lever, next - old);
+    pull_axis(ends, lever, next - old);
     return next;
 }
 
 // The motor in reach of a limit: in a substep it goes no farther than to its limit, and there it does not push on.
-fn held_motor(ends: ptr<function, Ends>, axis: FreeAxis, flags: u32, limits: vec2f, drive: vec2f, old: f32) -> f32 {
-    let reach = (limits - vec2f(axis.position)) / frame.h;
+fn held_motor(ends: ptr<function, Ends>, position: f32, lever: Lever, flags: u32, limits: vec2f, drive: vec2f, old: f32) -> f32 {
+    let reach = (limits - vec2f(position)) / frame.h;
     var speed = drive.x;
     var most = drive.y;
     if (flags & LOWER) != 0u && drive.x < 0.0 {
@@ -127,7 +53,7 @@ fn held_motor(ends: ptr<function, Ends>, axis: FreeAxis, flags: u32, limits: vec
         speed = min(drive.x, max(reach.y, 0.0));
         most = select(most, 0.0, reach.y <= 0.0);
     }
-    return motor_row(ends, axis.lever, speed, most, old);
+    return motor_row(ends, lever, speed, most, old);
 }
 
 // A row that keeps a gap open, which grows along the lever or, with the side -1, against it.
@@ -142,128 +68,57 @@ fn limit_row(ends: ptr<function, Ends>, lever: Lever, side: f32, gap: f32, old: 
         next = old - rate * lever.inverse;
     }
     next = max(next, 0.0);
-    pull_ends(ends, lever, side * (next - old));
+    pull_axis(ends, lever, side * (next - old));
     return next;
 }
 
-// Whether friction and damping resist all rotations.
-fn is_ball(flags: u32) -> bool {
-    return (flags & TURNS) != 0u && ((flags >> ANGULAR) & 7u) == 0u;
-}
-
-// Friction and damping of a ball. The impulses of friction.
-fn resist(joint: Joint, ends: ptr<function, Ends>, old: vec3f, biased: bool) -> vec3f {
-    let friction = frame.h * joint_row(joint.number, 7u).x;
-    let damping = frame.h * joint_row(joint.number, 6u).x;
-    var k = Tensor((*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside);
-    let rate = (*ends).b.spin - (*ends).a.spin;
-    if biased && is_first_visit && damping > 0.0 {
-        k.diagonal += vec3f(1.0 / damping);
-        let moment = solved(k, vec3<bool>(true), -rate);
-        push_ends(joint, ends, Push(vec3f(0.0), moment));
-        add_load(joint.number, Push(vec3f(0.0), moment));
-    }
-    if biased || friction == 0.0 {
-        return old;
-    }
-    let before = joint.axes * old;
-    var kept = before + solved(k, vec3<bool>(true), -rate);
-    let size = length(kept);
-    if size > friction {
-        kept *= friction / size;
-    }
-    push_ends(joint, ends, Push(vec3f(0.0), kept - before));
-    return kept * joint.axes;
-}
-
-// The velocity of B at the anchor and its spin, relative to A, that a push gives.
-fn response_to(joint: Joint, ends: ptr<function, Ends>, push: Push) -> Push {
-    let a = respond((*ends).mass_a, cross(joint.arm_a, push.impulse) + push.moment);
-    let b = respond((*ends).mass_b, cross(joint.arm_b, push.impulse) + push.moment);
-    let linear = (*ends).mass_a.inverse + (*ends).mass_b.inverse;
-    return Push(linear * push.impulse + cross(a, joint.arm_a) + cross(b, joint.arm_b), a + b);
-}
-
-// A spring of 1 along the free axis, with what the rows of the joint answer at once.
-fn spring_push(joint: Joint, ends: ptr<function, Ends>, axis: vec3f) -> Push {
-    let zero = vec3f(0.0);
-    let all_rows = vec3<bool>(true);
-    let alone = push_along(joint, axis, 1.0);
-    let answer = response_to(joint, ends, alone);
-    if (joint.flags & TURNS) != 0u && (joint.flags & 7u) == 7u {
-        let x = response_to(joint, ends, Push(vec3f(1.0, 0.0, 0.0), zero)).impulse;
-        let y = response_to(joint, ends, Push(vec3f(0.0, 1.0, 0.0), zero)).impulse;
-        let z = response_to(joint, ends, Push(vec3f(0.0, 0.0, 1.0), zero)).impulse;
-        let k = Tensor(vec3f(x.x, y.y, z.z), vec3f(y.x, z.x, z.y));
-        return Push(solved(k, all_rows, -answer.impulse), axis);
-    }
-    if (joint.flags & SLIDES) != 0u && ((joint.flags >> ANGULAR) & 7u) == 7u {
-        let k = Tensor((*ends).mass_a.diagonal + (*ends).mass_b.diagonal, (*ends).mass_a.beside + (*ends).mass_b.beside);
-        return Push(axis, solved(k, all_rows, -answer.moment));
-    }
-    return alone;
-}
-
-// What the spring adds in a visit. Between both visits of the biased pass, the impulse of a damper is in the last row of the joint.
-fn spring_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis) -> Push {
-    let h = frame.h;
-    let stiffness = joint_row(joint.number, 5u).w;
-    let drive = joint_row(joint.number, 6u);
-    let push = spring_push(joint, ends, axis.direction);
-    let answer = response_to(joint, ends, push);
-    let k = dot(push.impulse, answer.impulse) + dot(push.moment, answer.moment);
-    // theta h^2 k = h^2 k - 1 / K, or 0.
-    let damping = select(h * drive.x, 0.0, is_ball(joint.flags)) + max(h * h * stiffness - 1.0 / k, 0.0);
-    let speed = point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a);
-    let rate = dot(push.impulse, speed) + dot(push.moment, (*ends).b.spin - (*ends).a.spin);
-    let kept = JOINT_STATE_ROWS * joint.number + 4u;
-    let old = select(joint_states[kept].w, 0.0, is_first_visit);
-    let wanted = h * stiffness * beyond_target(joint, axis.position) + damping * rate + old;
-    let most = h * drive.y;
-    let next = clamp(old - wanted / (1.0 + damping * k), -most, most);
-    joint_states[kept].w = select(0.0, next, is_first_visit);
-    let size = next - old;
-    let all = Push(size * push.impulse, size * push.moment);
-    push_ends(joint, ends, all);
-    return all;
-}
-
-// Velocity of a point at an arm from the centre of a body.
-fn point_speed(motion: Motion, arm: vec3f) -> vec3f {
-    return motion.velocity + cross(motion.spin, arm);
-}
-
-// The rows of the free axis. That of the locked distance comes later. A spring adds its load at once.
+// The rows of the free axis. That of the locked distance comes later.
 fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
     let drive = joint_row(joint.number, 6u);
     let limits = joint_row(joint.number, 5u).xy;
     // A ball whose axes are almost opposite has no twist.
     let has_row = !is_ball(joint.flags) || dot(joint.axes[0], joint.other) >= -0.9;
-    let acts = is_first_visit || joint_row(joint.number, 5u).w == 0.0;
-    if has_row && biased && acts && (joint.flags & SPRUNG) != 0u {
-        add_load(joint.number, spring_row(joint, ends, axis));
+    if has_row && (joint.flags & SPRUNG) != 0u {
+        drive_row(joint, ends, axis, own, biased);
     }
+    let armature = select(joint_row(joint.number, 8u).z, 0.0, is_ball(joint.flags));
+    var lever = axis.lever;
+    lever.inverse += armature;
+    rotor_share = armature / lever.inverse;
+    pulled = 0.0;
     if has_row && !biased && drive.w > 0.0 {
-        (*own).motor = held_motor(ends, axis, joint.flags, limits, vec2f(drive.z, frame.h * drive.w), (*own).motor);
+        let motor = vec2f(drive.z, frame.h * drive.w);
+        (*own).motor = held_motor(ends, axis.position, lever, joint.flags, limits, motor, (*own).motor);
     }
     if is_ball(joint.flags) {
-        (*own).angular = resist(joint, ends, (*own).angular, biased);
+        (*own).resistance = resist(joint, ends, (*own).resistance, biased);
+        if !biased {
+            (*own).angular = rub(joint, ends, (*own).angular);
+        }
     }
     if !has_row {
         (*own).motor = 0.0;
         (*own).lower = 0.0;
         (*own).upper = 0.0;
+        (*own).drive = 0.0;
         return;
     }
     let friction = joint_row(joint.number, 7u).x;
     if !biased && friction > 0.0 && !is_ball(joint.flags) {
-        (*own).friction = motor_row(ends, axis.lever, 0.0, frame.h * friction, (*own).friction);
+        (*own).friction = motor_row(ends, lever, 0.0, frame.h * friction, (*own).friction);
     }
     if (joint.flags & LOWER) != 0u {
-        (*own).lower = limit_row(ends, axis.lever, 1.0, axis.position - limits.x, (*own).lower, biased);
+        (*own).lower = limit_row(ends, lever, 1.0, axis.position - limits.x, (*own).lower, biased);
     }
     if (joint.flags & UPPER) != 0u {
-        (*own).upper = limit_row(ends, axis.lever, -1.0, limits.y - axis.position, (*own).upper, biased);
+        (*own).upper = limit_row(ends, lever, -1.0, limits.y - axis.position, (*own).upper, biased);
+    }
+    if armature > 0.0 {
+        (*own).drive -= rotor_share * pulled;
+        if is_last_visit(biased) {
+            joint_states[JOINT_STATE_ROWS * joint.number + 6u].x += pulled / lever.inverse;
+        }
+        rotor_share = 0.0;
     }
 }
 
@@ -305,7 +160,7 @@ fn solve_joint(number: u32, biased: bool, is_first: bool) {
     }
     put_ends(joint, &ends);
     put_impulses(number, own);
-    if !biased && !is_first {
+    if is_last_visit(biased) {
         add_load(number, push_of(joint, own));
     }
 }
@@ -313,12 +168,12 @@ fn solve_joint(number: u32, biased: bool, is_first: bool) {
 // The start of a frame: the impulses of the last one, in proportion to the substep, but none of a row that is no more, and no load yet.
 fn open_joint(number: u32) {
     let at = JOINT_STATE_ROWS * number;
-    let broken = joint_states[at + 3u].w;
-    joint_states[at + 3u] = vec4f(0.0, 0.0, 0.0, broken);
-    joint_states[at + 4u] = vec4f(0.0);
-    let rows = array(joint_states[at], joint_states[at + 1u], joint_states[at + 2u]);
+    let broken = joint_states[at + 4u].w;
+    joint_states[at + 4u] = vec4f(0.0, 0.0, 0.0, broken);
+    joint_states[at + 5u] = vec4f(0.0);
+    let rows = array(joint_states[at], joint_states[at + 1u], joint_states[at + 2u], joint_states[at + 3u]);
     var own = Impulses();
-    if broken == 0.0 && is_finite_row(rows[0]) && is_finite_row(rows[1]) && is_finite_row(rows[2]) {
+    if broken == 0.0 && is_finite_row(rows[0]) && is_finite_row(rows[1]) && is_finite_row(rows[2]) && is_finite_row(rows[3]) {
         let scale = frame.soft[0].w;
         let flags = joints[JOINT_ROWS * number + 4u].z;
         let motor = frame.h * joint_row(number, 6u).w;
@@ -335,8 +190,25 @@ fn open_joint(number: u32) {
         own.lower = select(0.0, scale * rows[2].y, (flags & LOWER) != 0u);
         own.upper = select(0.0, scale * rows[2].z, (flags & UPPER) != 0u);
         own.cone = select(0.0, scale * rows[2].w, (flags & CONE) != 0u);
+        own.resistance = select(vec3f(0.0), scale * rows[3].xyz, resistance_of(number) > 0.0);
+        own.drive = select(0.0, scale * rows[3].w, (flags & SPRUNG) != 0u);
     }
     put_impulses(number, own);
+    joint_states[at + 6u] = vec4f(0.0);
+    if joint_row(number, 8u).z > 0.0 {
+        start_rotor(number);
+    }
+}
+
+// The rate of a rotor is that of its joint.
+fn start_rotor(number: u32) {
+    let joint = joint_at(number);
+    var ends = ends_of(joint);
+    var rotor = (ends.b.spin - ends.a.spin) * joint.axes;
+    if !is_ball(joint.flags) {
+        rotor = vec3f(rate_of(&ends, free_axis(joint, &ends).lever), 0.0, 0.0);
+    }
+    joint_states[JOINT_STATE_ROWS * number + 6u] = vec4f(rotor, 0.0);
 }
 
 fn is_finite_row(row: vec4f) -> bool {
@@ -360,14 +232,14 @@ fn close_joint(number: u32) {
         return;
     }
     let time = frame.h * f32(frame.substeps);
-    let force = joint_states[at + 3u].xyz / time;
-    let torque = joint_states[at + 4u].xyz / time;
+    let force = joint_states[at + 4u].xyz / time;
+    let torque = joint_states[at + 5u].xyz / time;
     let strengths = joint_row(number, 7u).yz;
     // Strengths above are infinite.
     let most = vec2f(1e38);
     let breaks = any((vec2f(length(force), length(torque)) > strengths) & (strengths < most));
-    joint_states[at + 3u] = vec4f(force, select(0.0, 1.0, breaks));
-    joint_states[at + 4u] = vec4f(torque, 0.0);
+    joint_states[at + 4u] = vec4f(force, select(0.0, 1.0, breaks));
+    joint_states[at + 5u] = vec4f(torque, 0.0);
     if breaks {
         put_impulses(number, Impulses());
         atomicAdd(&report[6], 1u);

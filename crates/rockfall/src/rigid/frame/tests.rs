@@ -3,6 +3,7 @@
 mod changes;
 mod colours;
 mod conservation;
+mod drives;
 mod ells;
 mod fast;
 mod flight;

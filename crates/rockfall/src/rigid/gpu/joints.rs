@@ -28,8 +28,8 @@ const DRIVEN: u32 = 1 << 14;
 const ENDLESS: f32 = 1e30;
 
 /// What a device has of a joint.
-type JointRow = [[u32; 4]; 8];
-type StateRow = [[f32; 4]; 5];
+type JointRow = [[u32; 4]; 9];
+type StateRow = [[f32; 4]; 7];
 
 /// What the host keeps of the joints on a device.
 #[derive(Clone, Debug, Default)]
@@ -199,7 +199,7 @@ fn flags_of(joint: &Joint) -> u32 {
     let acts = flag(drive.limits[0] > f32::NEG_INFINITY, LOWER)
         | flag(drive.limits[1] < f32::INFINITY, UPPER)
         | flag(drive.locked, LOCKED)
-        | flag(drive.stiffness > 0.0 || drive.damping > 0.0, SPRUNG);
+        | flag(drive.acts(), SPRUNG);
     let free = match kind.free {
         Free::None => 0,
         Free::Turn => TURNS,
@@ -225,6 +225,7 @@ fn row_of(joint: &Joint, frequency: f32) -> JointRow {
     let row = |vector: Vec3, last: f32| vector.extend(last).to_array();
     let [a, b] = joint.ends;
     let Drive { limits, cone, target, stiffness, damping, spring_limit, speed, motor_limit, friction, .. } = joint.drive;
+    let Drive { effort, drag, armature, .. } = joint.drive;
     let finite = |force: f32| force.clamp(-ENDLESS, ENDLESS);
     // Torques and forces of an axis that is not there.
     let [motor_limit, friction] = if joint.kind.free == Free::None { [0.0; 2] } else { [motor_limit, friction].map(finite) };
@@ -238,26 +239,25 @@ fn row_of(joint: &Joint, frequency: f32) -> JointRow {
         numbers([finite(limits[0]), finite(limits[1]), middle(limits), stiffness]),
         numbers([damping, finite(spring_limit), speed, motor_limit]),
         numbers([friction, joint.strength[0].min(f32::MAX), joint.strength[1].min(f32::MAX), 0.0]),
+        numbers([effort, drag, armature, 0.0]),
     ]
 }
 
 fn state_rows(states: &[JointState]) -> Vec<StateRow> {
     let row = |state: &JointState| {
-        let [a, b, c, locked, d, e, f, motor, friction, lower, upper, cone] = state.impulses.to_array();
-        let broken = f32::from(u8::from(state.broken));
-        [
-            [a, b, c, locked],
-            [d, e, f, motor],
-            [friction, lower, upper, cone],
-            state.force.extend(broken).to_array(),
-            state.torque.extend(0.0).to_array(),
-        ]
+        let mut rows = StateRow::default();
+        rows.as_flattened_mut().iter_mut().zip(state.impulses.to_array()).for_each(|(own, number)| *own = number);
+        rows[4] = state.force.extend(f32::from(u8::from(state.broken))).to_array();
+        rows[5] = state.torque.extend(0.0).to_array();
+        rows
     };
     states.iter().map(row).collect()
 }
 
 fn state_of(rows: &StateRow) -> JointState {
-    let [[a, b, c, locked], [d, e, f, motor], [friction, lower, upper, cone], [x, y, z, broken], [u, v, w, _]] = *rows;
-    let impulses = JointImpulses::from_array([a, b, c, locked, d, e, f, motor, friction, lower, upper, cone]);
-    JointState { impulses, force: Vec3::new(x, y, z), torque: Vec3::new(u, v, w), broken: broken != 0.0, spring: 0.0 }
+    let [impulses @ .., [x, y, z, broken], [u, v, w, _], _] = *rows;
+    let mut all = [0.0; JointImpulses::COUNT];
+    all.iter_mut().zip(impulses.as_flattened()).for_each(|(own, number)| *own = *number);
+    let (force, torque) = (Vec3::new(x, y, z), Vec3::new(u, v, w));
+    JointState { impulses: JointImpulses::from_array(all), force, torque, broken: broken != 0.0, ..JointState::default() }
 }

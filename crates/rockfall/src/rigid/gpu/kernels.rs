@@ -84,6 +84,9 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/laws.wgsl"
     "rigid/frame/arc.wgsl"
     "rigid/frame/joint.wgsl"
+    "rigid/frame/block.wgsl"
+    "rigid/frame/drive.wgsl"
+    "rigid/frame/tensor.wgsl"
     "rigid/frame/joints.wgsl"
     "rigid/frame/joint_groups.wgsl"
 );
@@ -303,7 +306,7 @@ pub(super) const STAGES: &[Stage] = &[
     },
     Stage { name: "seek_round", file: "rigid/frame/wait.wgsl", bindings: &[LOADS, REPORT] },
     Stage { name: "pull", file: "rigid/frame/springs.wgsl", bindings: &[BODIES, CONSTANTS, SPRINGS, ENDS_OF_SPRINGS, MUSCLES] },
-    Stage { name: "open_joints", file: "rigid/frame/joints.wgsl", bindings: LINKS },
+    Stage { name: "open_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
     Stage { name: "warm_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
     Stage { name: "push_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },
     Stage { name: "relax_joints", file: "rigid/frame/joints.wgsl", bindings: LINKED },

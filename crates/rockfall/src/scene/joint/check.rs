@@ -65,6 +65,10 @@ impl Joint {
             ("joint.target", self.target, is_fixed),
             ("joint.stiffness", Some(self.stiffness).filter(|k| *k != 0.0), is_fixed),
             ("joint.damping", Some(self.damping).filter(|c| *c != 0.0), is_fixed),
+            ("joint.effort", Some(self.effort).filter(|f| *f != 0.0), is_fixed),
+            ("joint.drag", Some(self.drag).filter(|c| *c != 0.0), is_fixed),
+            ("joint.armature", Some(self.armature).filter(|j| *j != 0.0), is_fixed),
+            ("joint.max_force", Some(self.max_force).filter(|f| f.is_finite()), is_fixed),
             ("joint.friction", Some(self.friction).filter(|f| *f != 0.0), is_fixed),
         ];
         let found = given.into_iter().find_map(|(field, value, is_refused)| Some((field, value.filter(|_| is_refused)?)));
@@ -102,6 +106,11 @@ impl Joint {
         }
         not_negative("joint.stiffness", self.stiffness)?;
         not_negative("joint.damping", self.damping)?;
+        not_negative("joint.drag", self.drag)?;
+        not_negative("joint.armature", self.armature)?;
+        if !self.effort.is_finite() {
+            return Err(invalid("joint.effort", self.effort, "a finite number"));
+        }
         not_negative("joint.friction", self.friction)?;
         if self.max_force.is_nan() || self.max_force < 0.0 {
             return Err(invalid("joint.max_force", self.max_force, "a number, not negative"));
@@ -114,14 +123,10 @@ impl Joint {
         Ok(())
     }
 
-    /// Checks that a new joint has no target without a spring and no bound without a drive. Those of a joint that changes may wait for one.
+    /// Checks that a new joint has no target without a spring. That of a joint that changes may wait for one.
     pub(crate) fn check_idle(&self) -> Result<()> {
         if let Some(target) = self.target.filter(|_| self.stiffness == 0.0) {
             return Err(invalid("joint.target", target, "a target together with a stiffness"));
-        }
-        if self.max_force.is_finite() && self.speed.is_none() && !self.has_spring() {
-            let expected = "none without a speed, a stiffness or a damping";
-            return Err(invalid("joint.max_force", self.max_force, expected));
         }
         Ok(())
     }

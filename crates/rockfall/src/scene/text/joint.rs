@@ -9,7 +9,7 @@ use super::values::Values;
 use crate::error::{Error, nearest, quoted};
 use crate::scene::{Anchor, Joint, JointFrame, JointKind, RigidBodyId, name_is_taken};
 
-const KEYS: [&str; 20] = [
+const KEYS: [&str; 23] = [
     "at",
     "to",
     "axis",
@@ -22,6 +22,9 @@ const KEYS: [&str; 20] = [
     "target",
     "stiffness",
     "damping",
+    "effort",
+    "drag",
+    "armature",
     "friction",
     "break_force",
     "break_torque",
@@ -223,6 +226,9 @@ fn drive(values: &Values, joint: &mut Joint) -> Line<()> {
     joint.target = values.number("target")?.map(in_files);
     joint.stiffness = plain("stiffness")?.unwrap_or(joint.stiffness);
     joint.damping = plain("damping")?.unwrap_or(joint.damping);
+    joint.effort = plain("effort")?.unwrap_or(joint.effort);
+    joint.drag = plain("drag")?.unwrap_or(joint.drag);
+    joint.armature = plain("armature")?.unwrap_or(joint.armature);
     joint.friction = plain("friction")?.unwrap_or(joint.friction);
     joint.break_force = plain("break_force")?.unwrap_or(joint.break_force);
     joint.break_torque = plain("break_torque")?.unwrap_or(joint.break_torque);

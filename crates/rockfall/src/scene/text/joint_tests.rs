@@ -27,7 +27,7 @@ const JOINTS: &str = "@joint hinge arm hand at=1,1,0 axis=0,0,1 limits=-60..90 s
 @joint ball world arm at=-1,1,0 axis=0,1,0 twist=-10..20 cone=30 torque=3 target=5 stiffness=20 damping=0.5
 @joint slider 20 7 at=0.1,4,0.2 axis=1,1,0 limits=-0.5..0.25 speed=-1 force=10 collide=yes
 @joint fixed 8 hand at=0.1,7,0 break_force=100 break_torque=10
-@joint distance 7 8 at=0,5.5,0 to=0,8.5,0 limits=1..4
+@joint distance 7 8 at=0,5.5,0 to=0,8.5,0 limits=1..4 effort=-2.5 drag=0.75 armature=3
 @joint distance hand 20 at=2,1,0 to=0.1,3,0
 ";
 
@@ -238,7 +238,11 @@ fn wrong_lines_name_the_field() {
         ("{hinge} speed=1 force=1", "@joint force: not possible for the kind hinge, expected torque"),
         ("{hinge} speed=1 torque=1 force=1", "@joint force: given together with torque, expected one of the two"),
         ("@joint slider arm hand at=1,1,0 speed=1 torque=1", "@joint torque: not possible for the kind slider, expected force"),
-        ("{hinge} torque=1", "@joint torque: '1' is not allowed, expected none without a speed, a stiffness or a damping"),
+        ("@joint fixed arm hand at=1,1,0 effort=1", "@joint effort: '1' is not allowed, expected nothing in a fixed joint"),
+        ("@joint fixed arm hand at=1,1,0 force=1", "@joint force: '1' is not allowed, expected nothing in a fixed joint"),
+        ("{hinge} effort=nan", "@joint effort: 'nan' is not a finite number"),
+        ("{hinge} drag=-1", "@joint drag: '-1' is not allowed"),
+        ("{hinge} armature=-1", "@joint armature: '-1' is not allowed"),
         ("{hinge} speed=1 torque=-1", "@joint torque: '-1' is not allowed, expected a number, not negative"),
         ("{hinge} target=10", "@joint target: '10' is not allowed, expected a target together with a stiffness"),
         ("{hinge} stiffness=-1", "@joint stiffness: '-1' is not allowed"),

@@ -142,13 +142,13 @@ impl Writer<'_> {
             ),
             ("cone", joint.cone.map(degrees)),
             ("speed", joint.speed.map(|speed| speed.to_string())),
-            (
-                if joint.kind.turns() { "torque" } else { "force" },
-                some(joint.max_force, f32::INFINITY).filter(|_| joint.speed.is_some() || joint.has_spring()),
-            ),
+            (if joint.kind.turns() { "torque" } else { "force" }, some(joint.max_force, f32::INFINITY)),
             ("target", joint.target.filter(|_| joint.stiffness > 0.0).map(position)),
             ("stiffness", some(joint.stiffness, 0.0)),
             ("damping", some(joint.damping, 0.0)),
+            ("effort", some(joint.effort, 0.0)),
+            ("drag", some(joint.drag, 0.0)),
+            ("armature", some(joint.armature, 0.0)),
             ("friction", some(joint.friction, 0.0)),
         ];
         for (key, value) in values {

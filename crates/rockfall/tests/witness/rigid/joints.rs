@@ -21,7 +21,9 @@ pub(crate) struct Impulses {
     pub(super) motor: f64,
     pub(super) friction: f64,
     pub(super) locked: f64,
-    pub(super) spring: f64,
+    /// Of the drive: along the free axis, and of a ball about the axes of the joint.
+    pub(super) drive: f64,
+    pub(super) round: DVec3,
 }
 
 #[derive(Clone, Debug)]
@@ -41,6 +43,13 @@ pub(crate) struct Link {
     pub(crate) rest: f64,
     pub(crate) stiffness: f64,
     pub(crate) damping: f64,
+    pub(crate) effort: f64,
+    pub(crate) drag: f64,
+    pub(crate) armature: f64,
+    /// How far the spring is off in this substep.
+    pub(crate) off: f64,
+    /// Rate of the rotor; of a ball about the axes of the joint, otherwise its first number.
+    pub(crate) rotor: DVec3,
     pub(crate) friction: f64,
     pub(crate) locked: bool,
     pub(crate) collides: bool,
@@ -142,6 +151,16 @@ impl Link {
         self.load = Load::default();
     }
 
+    /// The rotor turns with the joint at the start of a frame.
+    fn start(&mut self, sides: &Sides, states: [State; 2]) {
+        let pose = self.pose(states);
+        self.rotor = match pose.axis {
+            _ if self.kind == JointKind::Ball => along(pose.e, sides.turning()),
+            Some((_, row)) => DVec3::X * sides.rate(pose.arms, row),
+            None => DVec3::ZERO,
+        };
+    }
+
     fn linear_rows(&self) -> &'static [usize] {
         match self.kind {
             JointKind::Slider => &[1, 2],
@@ -195,27 +214,26 @@ impl Link {
 
     /// Impulses of rows but the blocks, with their rows.
     fn singles(&self, pose: &Pose) -> Vec<(f64, Row)> {
-        let Impulses { lower, upper, motor, friction, locked, spring, cone, .. } = self.impulses;
-        let free = lower - upper + motor + friction + locked + spring;
+        let Impulses { lower, upper, motor, friction, locked, drive, cone, .. } = self.impulses;
+        let free = lower - upper + motor + friction + locked + drive;
         let free = pose.axis.map(|(_, row)| (free, row));
         free.into_iter().chain(self.cone_row(pose).map(|(_, row)| (cone, row))).collect()
     }
 
     fn warm(&mut self, sides: &mut Sides, states: [State; 2]) {
         let pose = self.pose(states);
-        self.impulses.spring = 0.0;
         for (impulse, row) in self.singles(&pose) {
             sides.act(pose.arms, row, impulse);
         }
         sides.push(pose.arms, across(pose.e, self.impulses.linear));
-        sides.twist(across(pose.e, self.impulses.angular + self.impulses.rub));
+        sides.twist(across(pose.e, self.impulses.angular + self.impulses.rub + self.impulses.round));
     }
 
     /// The impulses of the substep on the second body.
     fn loaded(&mut self, states: [State; 2]) {
         let pose = self.pose(states);
         self.load.force += across(pose.e, self.impulses.linear);
-        self.load.torque += across(pose.e, self.impulses.angular + self.impulses.rub);
+        self.load.torque += across(pose.e, self.impulses.angular + self.impulses.rub + self.impulses.round);
         for (impulse, row) in self.singles(&pose) {
             match row {
                 Row::Linear(n) => self.load.force += impulse * n,
@@ -227,11 +245,13 @@ impl Link {
     fn visit(&mut self, sides: &mut Sides, states: [State; 2], visit: Visit) {
         let pose = self.pose(states);
         let soft = soft(2.0, self.angle, visit.h);
+        self.along_axis(sides, &pose, visit);
         if visit.relax {
-            self.drive(sides, &pose, visit.h);
-        } else {
-            self.spring(sides, &pose, visit);
-            self.damp(sides, visit);
+            self.motor(sides, &pose, visit);
+        }
+        self.about_all(sides, &pose, visit);
+        if visit.relax {
+            self.rub(sides, &pose, visit);
         }
         self.bounds(sides, &pose, visit, &soft);
         if let Some((p, row)) = pose.axis.filter(|_| self.locked) {
@@ -272,24 +292,33 @@ impl Link {
 
     /// Limits and the cone.
     fn bounds(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, soft: &Soft) {
-        let mut one = |c: f64, row: Row, sign: f64, impulse: &mut f64| {
-            let (rate, k) = (sign * sides.rate(pose.arms, row), sides.give(pose.arms, row));
+        let axis_gives = pose.axis.map(|(_, row)| sides.give(pose.arms, row));
+        let mut one = |c: f64, row: Row, sign: f64, inertia: f64, impulse: &mut f64| {
+            let k = sides.give(pose.arms, row) / (1.0 + inertia * sides.give(pose.arms, row));
+            let rate = sign * sides.rate(pose.arms, row);
             let change = match (visit.relax, c > 0.0) {
-                (true, true) if *impulse <= 0.0 => return,
+                (true, true) if *impulse <= 0.0 => return 0.0,
                 (true, _) => -rate / k,
                 (false, true) => -(rate + c / visit.h) / k,
                 (false, false) => -(soft.mass * rate + soft.rate * c) / k - soft.give * *impulse,
             };
             let to = (*impulse + change).max(0.0);
-            sides.act(pose.arms, row, sign * (to - *impulse));
+            let done = sign * (to - *impulse);
+            sides.act(pose.arms, row, done / (1.0 + inertia * sides.give(pose.arms, row)));
             *impulse = to;
+            done
         };
+        let (inertia, mut taken) = (self.inertia(), 0.0);
         if let (Some((p, row)), Some([a, b])) = (pose.axis, self.limits) {
-            one(p - a, row, 1.0, &mut self.impulses.lower);
-            one(b - p, row, -1.0, &mut self.impulses.upper);
+            let sum = one(p - a, row, 1.0, inertia, &mut self.impulses.lower)
+                + one(b - p, row, -1.0, inertia, &mut self.impulses.upper);
+            taken = sum;
         }
         if let Some((c, row)) = self.cone_row(pose) {
-            one(c, row, 1.0, &mut self.impulses.cone);
+            one(c, row, 1.0, 0.0, &mut self.impulses.cone);
+        }
+        if let Some(give) = axis_gives {
+            self.taken(give, taken, visit);
         }
     }
 }
@@ -331,6 +360,10 @@ impl Solver {
                 (off, DQuat::from_xyzw(turn.x, turn.y, turn.z, 1.0).normalize())
             });
         }
+    }
+
+    pub(crate) fn start_links(&mut self) {
+        self.each_link(false, |link, sides, states| link.start(sides, states));
     }
 
     pub(crate) fn warm_links(&mut self) {

@@ -47,6 +47,13 @@ pub(crate) fn driven(seed: u64) -> Draw {
         if kind == JointKind::Fixed {
             return joint;
         }
+        let joint = if draw.chance(0.3) { joint.armature(draw.pick(&[0.05, 1.0])) } else { joint };
+        // An effort could pull the anchors of a distance joint to one place, where it has no direction.
+        let joint = if kind != JointKind::Distance && draw.chance(0.3) {
+            joint.drag(draw.pick(&[0.1, 10.0])).effort(draw.between(-3.0, 3.0))
+        } else {
+            joint
+        };
         match draw.number(5) {
             0 if kind == JointKind::Distance => joint.limits(0.0, draw.between(0.9, 1.5)),
             0 => joint.limits(-draw.between(0.0, 0.2), draw.between(0.0, 0.2)),

@@ -269,6 +269,7 @@ impl Solver {
         self.find_blocks(margins);
         self.colour(dt);
         self.refresh_all();
+        self.start_links();
         for _ in 0..self.substeps {
             self.impacts();
             self.kick();

@@ -150,30 +150,14 @@ impl Pivot {
         Row { along, angular: true, inverse: along.dot(self.turning() * along) }
     }
 
-    /// What an impulse on B at its anchor and an angular impulse give: the velocity of B at the anchor and its spin, relative to A.
-    pub(super) fn response(&self, push: Vec3A, turn: Vec3A) -> [Vec3A; 2] {
-        let a = self.mass_a.inverse_inertia * (self.arm_a.cross(push) + turn);
-        let b = self.mass_b.inverse_inertia * (self.arm_b.cross(push) + turn);
-        let linear = self.mass_a.inverse_mass + self.mass_b.inverse_mass;
-        [linear * push + a.cross(self.arm_a) + b.cross(self.arm_b), a + b]
+    /// What an impulse on B at its anchor gives: the spin of B relative to A.
+    pub(super) fn turned_by(&self, push: Vec3A) -> Vec3A {
+        self.mass_a.inverse_inertia * self.arm_a.cross(push) + self.mass_b.inverse_inertia * self.arm_b.cross(push)
     }
 
-    /// The impulse of a spring of 1 along the free axis, with what the rows of the joint answer at once: push and angular impulse.
-    pub(super) fn spring_row(&self, kind: Kind) -> [Vec3A; 2] {
-        let axis = self.free.map_or(Vec3A::ZERO, |(row, _)| row.along);
-        match kind.free {
-            Free::Turn if kind.linear == 0b111 => {
-                let [moved, _] = self.response(Vec3A::ZERO, axis);
-                let columns = Vec3A::AXES.map(|along| self.response(along, Vec3A::ZERO)[0]);
-                [-(inverse(Mat3A::from_cols(columns[0], columns[1], columns[2])) * moved), axis]
-            }
-            Free::Slide if kind.angular == 0b111 => {
-                let [_, turned] = self.response(axis, Vec3A::ZERO);
-                [axis, -(inverse(self.turning()) * turned)]
-            }
-            Free::Turn => [Vec3A::ZERO, axis],
-            _ => [axis, Vec3A::ZERO],
-        }
+    /// What an angular impulse on B gives: the velocity of B at its anchor, relative to A.
+    pub(super) fn moved_by(&self, turn: Vec3A) -> Vec3A {
+        (self.mass_a.inverse_inertia * turn).cross(self.arm_a) + (self.mass_b.inverse_inertia * turn).cross(self.arm_b)
     }
 
     /// The position of the free axis.
@@ -190,8 +174,8 @@ impl Pivot {
     pub(super) fn total(&self, joint: &Joint, state: &JointState) -> (Vec3A, Vec3A) {
         let own = &state.impulses;
         let mut push = self.axes * Vec3A::from(own.linear);
-        let mut turn = self.axes * Vec3A::from(own.angular);
-        let along = own.locked + own.motor + own.friction + own.lower - own.upper;
+        let mut turn = self.axes * Vec3A::from(own.angular + own.resistance);
+        let along = own.locked + own.motor + own.friction + own.lower - own.upper + own.drive;
         match joint.kind.free {
             Free::None => (),
             Free::Turn => turn += along * self.twist_axis(),

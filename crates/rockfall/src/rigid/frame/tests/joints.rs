@@ -64,7 +64,7 @@ impl Scene {
 }
 
 /// The complete elliptic integral of the first kind, by the arithmetic-geometric mean.
-fn elliptic(modulus: f64) -> f64 {
+pub(super) fn elliptic(modulus: f64) -> f64 {
     let (mut a, mut b) = (1.0_f64, (1.0 - modulus * modulus).sqrt());
     for _ in 0..20 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
@@ -73,7 +73,7 @@ fn elliptic(modulus: f64) -> f64 {
 }
 
 /// The moment of inertia of a body about an axis through its centre.
-fn moment(scene: &Scene, body: usize, axis: Vec3) -> f32 {
+pub(super) fn moment(scene: &Scene, body: usize, axis: Vec3) -> f32 {
     let body = &scene.world.bodies[body];
     let inner = back(body.pose.turn) * axis;
     (inner * inner * body.moments).element_sum()

@@ -27,6 +27,13 @@ fn machine() -> Scene {
             let to = if kind == Kind::DISTANCE { at + Vec3::new(0.1, 0.2, 0.0) } else { at };
             let joint = scene.joint_to(kind, [before, next], [at, to], Vec3::new(0.2, 0.3, 1.0));
             scene.drive(joint, |drive| match k {
+                0 | 2 => (drive.armature, drive.drag) = (0.03 + 0.1 * k as f32, 0.05),
+                1 => (drive.armature, drive.effort, drive.spring_limit) = (0.05, 1.5, 8.0),
+                5 => (drive.armature, drive.drag, drive.effort) = (0.02, 0.2, -3.0),
+                6 => drive.effort = 0.3,
+                _ => (),
+            });
+            scene.drive(joint, |drive| match k {
                 0 => (drive.cone, drive.friction, drive.damping, drive.limits) = (0.7, 0.2, 0.1, [-0.4, 0.3]),
                 1 => (drive.stiffness, drive.damping, drive.target, drive.friction) = (30.0, 0.5, 0.4, 0.1),
                 2 => (drive.limits, drive.speed, drive.motor_limit) = ([-0.2, 0.3], 0.5, 15.0),
@@ -111,6 +118,9 @@ const MISTAKES: &[[&str; 2]] = &[
     ["let low_y = e.x / d.x;", "let low_y = 0.0;"],
     ["let k = straight + (dot(turn_a, response_a) + dot(turn_b, response_b));", "let k = straight + dot(turn_a, response_a);"],
     ["joint.apart * joint.axes, old, biased)", "vec3f(0.0), old, biased)"],
+    ["let kept = armature * joint_states[at + 6u].x - old;", "let kept = -old;"],
+    ["rotor_share = armature / lever.inverse;", "rotor_share = 0.0;"],
+    ["let push = h * axis.x - ", "let push = -"],
     ["let there = select(2u * call.biased - 1u - step, step, is_first);", "let there = step % call.biased;"],
 ];
 
