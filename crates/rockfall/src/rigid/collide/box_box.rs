@@ -40,14 +40,13 @@ pub(super) fn collide(a: &Shape, b: &Shape, b_in_a: &Pose, reach: f32) -> Option
     }
     let wins = most > face.separation + 0.05 * face.separation.abs() + 0.01 * size;
     let by_edges = |inset: f32| boxes.edge_contact(first_edge(&edges, most, size), reach, inset);
+    let by_faces = || boxes.face_contact(face.index, reach);
     let nearest = || polyhedra::nearest(a, b, b_in_a, reach, 1e-3 * size + noise);
-    let flat = boxes.face_contact(face.index, reach);
     if wins && let Some(found) = by_edges(0.0) {
-        let is_flat = |flat: &Manifold| polyhedra::lies_flat(flat, &found, 0.01 * size + noise);
-        return flat.filter(is_flat).or(Some(found));
+        return Some(found);
     }
     let best = face.separation.max(most);
-    match flat {
+    match by_faces() {
         // The lowest corner lies beside the reference face: corners or edges face each other there.
         Some(found) if best > 0.0 && found.least() > best + 0.02 * size + noise => {
             nearest().filter(|other| other.least() < found.least() - 0.02 * size).or(Some(found))

@@ -289,6 +289,9 @@ fn collide_boxes(half_a: vec3f, half_b: vec3f, way: vec3f, axes: mat3x3f, reach:
     let j = select(select(2u, 1u, lanes.y), 0u, lanes.x);
 
     var by_edges = contact_of_edges(pair, i, j, reach);
+    if by_edges.count > 0u && edge > face + 0.05 * abs(face) + 0.01 * size {
+        return by_edges;
+    }
     let by_b = axis >= 3u;
     var own = pair;
     if by_b {
@@ -297,12 +300,6 @@ fn collide_boxes(half_a: vec3f, half_b: vec3f, way: vec3f, axes: mat3x3f, reach:
     var by_face = contact_of_face(own, select(axis, axis - 3u, by_b), by_b, reach);
     if by_b {
         exchange_shapes(&by_face, way, axes);
-    }
-    if by_edges.count > 0u && edge > face + 0.05 * abs(face) + 0.01 * size {
-        if lies_flat(&by_face, &by_edges, 0.01 * size + noise) {
-            return by_face;
-        }
-        return by_edges;
     }
     let best = max(face, edge);
     let least = least_separation(&by_face);

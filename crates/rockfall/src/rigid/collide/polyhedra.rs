@@ -269,7 +269,7 @@ impl<'a> Pair<'a> {
 }
 
 /// Whether the contact of a face has the place of a contact of edges, and others: corners of a plate that lies over an edge touch, too.
-pub(super) fn lies_flat(flat: &Manifold, edges: &Manifold, slack: f32) -> bool {
+fn lies_flat(flat: &Manifold, edges: &Manifold, slack: f32) -> bool {
     flat.count > 1 && flat.normal.dot(edges.normal) > FLAT && flat.least() <= edges.least() + slack
 }
 
