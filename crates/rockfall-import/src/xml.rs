@@ -63,7 +63,10 @@ impl Reader {
         let options = roxmltree::ParsingOptions { nodes_limit: 4 * MOST_ELEMENTS as u32, ..Default::default() };
         let document = match roxmltree::Document::parse_with_options(text, options) {
             Ok(document) => document,
-            Err(error) => return whole(error.pos().row as usize, format!("{error}, expected XML without a document type")),
+            Err(error) => {
+                let told = without_controls(&error.to_string());
+                return whole(error.pos().row as usize, format!("{told}, expected XML without a document type"));
+            }
         };
         let lines = Lines::of(text);
         self.convert(document.root_element(), &Arc::from(path), &lines, depth)
@@ -218,6 +221,12 @@ impl Element {
         }
         Ok(numbers)
     }
+}
+
+/// A text with escapes in place of control characters, which a terminal would obey.
+fn without_controls(text: &str) -> String {
+    let escaped = |letter: char| if letter.is_control() { letter.escape_default().to_string() } else { letter.to_string() };
+    text.chars().map(escaped).collect()
 }
 
 /// A value in quotation marks, shortened.

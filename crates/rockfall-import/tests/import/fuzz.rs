@@ -58,7 +58,7 @@ fn shaken() {
                 break;
             };
             match random(30) {
-                26 => text.insert_str(pair.start, &text[pair.clone()].to_owned()),
+                26 => text = format!("{}{}{}", &text[..pair.start], &text[pair.clone()], &text[pair.start..]),
                 27 => text.replace_range(pair, ""),
                 28 | 29 => {
                     // An element of another robot.

@@ -16,6 +16,9 @@ impl Link {
 
     /// The rotor has taken its part of impulses on the free axis, whose row gives way by this.
     pub(super) fn taken(&mut self, give: f64, sum: f64, visit: Visit) {
+        if self.inertia() == 0.0 {
+            return;
+        }
         let k = give / (1.0 + self.inertia() * give);
         self.impulses.drive -= self.inertia() * k * sum;
         if visit.relax && !visit.is_first {
