@@ -72,13 +72,13 @@ fn bound_collider(collider: u32) {
     let far = max(abs(least), abs(most));
     let reach = max(far.x, max(far.y, far.z));
     let size = max(edges.x, max(edges.y, edges.z)) * (1.0 + ROUNDING) + ROUNDING * reach;
-    if has_mass(body) && any(frame.period > vec3f(0.0)) {
+    if PERIODIC && has_mass(body) {
         // Whatever reaches out of the box does so by less than this.
         atomicMax(&counts[4], bitcast<u32>(min(size, FAR)));
     }
     // Shared walls are few, and all worlds look at them.
-    let home = home_of(body);
-    let level = select(level_of(size), LEVELS, search.joined == 1u && home == 0u);
+    let home = home_in_search(body);
+    let level = select(level_of(size), LEVELS, JOINED && home == 0u);
     var key = vec2u(LARGE);
     if level < LEVELS {
         key = key_in_world(key_of(level, vec3i(floor((least + most) * (0.5 * fineness_of(level))))), home);

@@ -40,14 +40,14 @@ fn touches(own: Own, group: u32) -> bool {
 // A collider whose AABB overlaps.
 fn take(own: Own, other: u32) {
     let body = body_of_collider(other);
-    let home = home_of(body);
-    if own.home != home && own.home != 0u && home != 0u {
+    let home = home_in_search(body);
+    if JOINED && own.home != home && own.home != 0u && home != 0u {
         return;
     }
     if body == own.body || !touches(own, marks_of_collider(other).x) || !(own.has_mass || has_mass(body)) {
         return;
     }
-    if are_apart(own.body, body) || any(image_of(own.body, body) != -own.way) {
+    if are_apart(own.body, body) || (PERIODIC && any(image_of(own.body, body) != -own.way)) {
         return;
     }
     let pair = select(vec2u(other, own.collider), vec2u(own.collider, other), own.body < body);
@@ -87,7 +87,7 @@ fn look_around(own: Own, level: u32, cell: vec3i, is_own_level: bool) {
     let fineness = fineness_of(level);
     let low = vec3i(floor(own.least * fineness - vec3f(0.5)));
     let high = vec3i(floor(own.most * fineness + vec3f(0.5)));
-    let is_image = any(own.way != vec3f(0.0));
+    let is_image = PERIODIC && any(own.way != vec3f(0.0));
     let is_half = is_own_level && !is_image;
     let start_z = select(low.z, cell.z, is_half);
     for (var z = start_z; z <= min(high.z, start_z + 2); z++) {
@@ -150,9 +150,13 @@ fn find_pairs(k: u32) {
     let body = body_of_collider(collider);
     let marks = marks_of_collider(collider);
     var own =
-        Own(collider, body, home_of(body), marks.x, marks.w, has_mass(body), bitcast<vec3f>(least.xyz), bitcast<vec3f>(most.xyz), vec3f(0.0));
+        Own(collider, body, home_in_search(body), marks.x, marks.w, has_mass(body), bitcast<vec3f>(least.xyz), bitcast<vec3f>(most.xyz), vec3f(0.0));
     let key = vec2u(least.w, most.w);
-    let images = select(1u, 27u, own.has_mass && any(frame.period > vec3f(0.0)));
+    if !PERIODIC {
+        look(own, key, k < in_cells);
+        return;
+    }
+    let images = select(1u, 27u, own.has_mass);
     for (var image = 0u; image < images; image++) {
         if move_to_image(&own, image, bitcast<vec3f>(least.xyz), bitcast<vec3f>(most.xyz)) {
             look(own, key, k < in_cells);

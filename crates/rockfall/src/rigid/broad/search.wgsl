@@ -27,8 +27,6 @@ struct Search {
     found: u32,
     // 1 / E.
     fineness: f32,
-    // 1 if worlds share the frame.
-    joined: u32,
 }
 
 @group(0) @binding(13) var<storage, read_write> bounds: array<vec4u>;
@@ -40,6 +38,10 @@ struct Search {
 @group(0) @binding(19) var<storage, read_write> owned: array<atomic<u32>>;
 @group(0) @binding(21) var<uniform> search: Search;
 @group(0) @binding(22) var<storage, read> scales: array<f32>;
+
+// Whether the scene is periodic, and whether worlds share the frame. Kernels of other scenes leave out what these need.
+const PERIODIC: bool = true;
+const JOINED: bool = true;
 
 const LEVELS: u32 = 32u;
 const FOUND_ROWS: u32 = 10u;
@@ -82,9 +84,19 @@ fn cell_of_key(key: vec2u) -> vec3i {
     return vec3i(at) - vec3i(MIDDLE);
 }
 
+fn home_in_search(body: u32) -> u32 {
+    if !JOINED {
+        return 0u;
+    }
+    return home_of(body);
+}
+
 // The key of a cell in a world. Worlds that share a frame have cells of their own; where two of them have one key, the homes of the bodies
 // still differ. Applied again, it gives the key of the cell back.
 fn key_in_world(key: vec2u, home: u32) -> vec2u {
+    if !JOINED {
+        return key;
+    }
     return vec2u(key.x, key.y ^ ((home * 0x9e3779b9u) >> 7u));
 }
 

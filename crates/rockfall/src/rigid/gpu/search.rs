@@ -49,8 +49,7 @@ struct SearchRow {
     candidates: u32,
     found: u32,
     fineness: f32,
-    joined: u32,
-    unused: u32,
+    unused: [u32; 2],
 }
 
 const _: () = assert!(size_of::<FoundRow>() == 10 * 16 && size_of::<SearchRow>() == 32);
@@ -87,6 +86,9 @@ pub(super) struct Content {
     solids: bool,
     /// Boxes, faces or hulls.
     flat: bool,
+    periodic: bool,
+    /// Worlds share the frame.
+    joined: bool,
 }
 
 /// The search of a scene. Its arrays stay on the device.
@@ -130,6 +132,8 @@ impl Content {
             hulls: any(|shape| matches!(shape.core, Core::Hull(_))),
             solids: world.shapes.iter().any(|shape| flat(shape) && !sharp_box(shape)),
             flat: world.shapes.iter().any(flat),
+            periodic: world.periods.any(),
+            joined: world.bodies.iter().any(|body| body.home > 0),
         }
     }
 
@@ -156,8 +160,14 @@ impl Content {
                 text.replace(&format!("const {name}: bool = true;"), &format!("const {name}: bool = false;"))
             }
         };
-        let text = without(join(file), "HULLS", self.hulls);
-        let text = without(without(text, "CAPSULES", self.capsules), "SOLIDS", self.solids);
+        let flags = [
+            ("HULLS", self.hulls),
+            ("CAPSULES", self.capsules),
+            ("SOLIDS", self.solids),
+            ("PERIODIC", self.periodic),
+            ("JOINED", self.joined),
+        ];
+        let text = flags.into_iter().fold(join(file), |text, (name, is_there)| without(text, name, is_there));
         // A hull has more vertices than two quadrilaterals.
         if self.hulls { text.replace("const MOST_CANDIDATES: u32 = 8u;", "const MOST_CANDIDATES: u32 = 64u;") } else { text }
     }
@@ -194,8 +204,7 @@ impl Search {
         // At most half of the slots are in use.
         let slots = (2 * colliders.max(1)).next_power_of_two();
         let fineness = (f64::from(1 << USUAL_LEVEL) / usual_size(world, dt)) as f32;
-        let joined = u32::from(world.bodies.iter().any(|body| body.home > 0));
-        let row = SearchRow { dt, colliders, slots, fineness, joined, ..SearchRow::default() };
+        let row = SearchRow { dt, colliders, slots, fineness, ..SearchRow::default() };
         let storage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let words = |label, count: u64| gpu.buffer(label, 4 * count, storage);
         let [wide_bodies, wide_colliders] = [bodies, colliders].map(u64::from);
