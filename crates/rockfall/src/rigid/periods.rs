@@ -28,12 +28,12 @@ impl Periods {
     }
 
     /// What moves the end of a way to its image nearest to the start.
-    pub(crate) fn to_nearest(&self, way: Vec3) -> Vec3 {
+    pub(crate) fn nearest(&self, way: Vec3) -> Vec3 {
         -self.lengths * (way * self.inverse() + 0.5).floor()
     }
 
     /// The same in double precision.
-    pub(crate) fn to_nearest_finely(&self, way: DVec3) -> DVec3 {
+    pub(crate) fn nearest_finely(&self, way: DVec3) -> DVec3 {
         -self.lengths.as_dvec3() * (way * self.inverse().as_dvec3() + 0.5).floor()
     }
 
@@ -57,8 +57,8 @@ mod tests {
     #[test]
     fn ways_end_at_the_nearest_image() {
         let periods = Periods { lengths: Vec3::new(10.0, 0.0, 4.0), least: Vec3::new(-5.0, 0.0, 2.0) };
-        assert_eq!(periods.to_nearest(Vec3::new(9.0, 99.0, -3.0)), Vec3::new(-10.0, 0.0, 4.0));
-        assert_eq!(periods.to_nearest(Vec3::new(4.9, -7.0, 1.9)), Vec3::ZERO);
+        assert_eq!(periods.nearest(Vec3::new(9.0, 99.0, -3.0)), Vec3::new(-10.0, 0.0, 4.0));
+        assert_eq!(periods.nearest(Vec3::new(4.9, -7.0, 1.9)), Vec3::ZERO);
         assert_eq!(periods.outside(Vec3::new(5.0, -3.0, 1.9)), IVec3::new(1, 0, -1));
         assert_eq!(periods.images().count(), 8);
         assert!(periods.any() && !Periods::default().any());

@@ -117,7 +117,7 @@ impl RigidWorld {
     pub(crate) fn image(&self, bodies: [u32; 2]) -> Vec3 {
         let [a, b] = bodies.map(|body| &self.bodies[body as usize]);
         let have_mass = a.inverse_mass > 0.0 && b.inverse_mass > 0.0;
-        if have_mass { self.periods.to_nearest(b.pose.position - a.pose.position) } else { Vec3::ZERO }
+        if have_mass { self.periods.nearest(b.pose.position - a.pose.position) } else { Vec3::ZERO }
     }
 
     /// Takes bodies with mass back into the box of a periodic scene.

@@ -128,7 +128,7 @@ impl Frames {
             // What has no mass is put where its motion is.
             if body.inverse_mass > 0.0 {
                 // At a face of a periodic box, rounding may have taken the body to the other one.
-                let around = self.world.periods.to_nearest(place - body.pose.position);
+                let around = self.world.periods.nearest(place - body.pose.position);
                 if (body.pose.position - around).distance(place) > room {
                     return false;
                 }

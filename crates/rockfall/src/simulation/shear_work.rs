@@ -56,8 +56,8 @@ impl Simulation {
                 continue;
             };
             let (a, b) = (boxes.centre(a), boxes.centre(b));
-            let to_nearest = ((b - a)[boxes.gradient] / boxes.period).round_ties_even();
-            power += boxes.power(boxes.number(a) - boxes.number(b) + to_nearest, force.as_dvec3());
+            let nearest = ((b - a)[boxes.gradient] / boxes.period).round_ties_even();
+            power += boxes.power(boxes.number(a) - boxes.number(b) + nearest, force.as_dvec3());
         }
         for link in links {
             let a = boxes.centre(link.a);

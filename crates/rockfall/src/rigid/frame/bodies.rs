@@ -280,7 +280,7 @@ impl Bodies {
         if !self.periods.any() || !self.constants[a].dynamic || !self.constants[b].dynamic {
             return Vec3::ZERO;
         }
-        self.periods.to_nearest(self.poses[b].position - self.poses[a].position)
+        self.periods.nearest(self.poses[b].position - self.poses[a].position)
     }
 
     /// The poses of two bodies, the second one at its image nearest to the first one.

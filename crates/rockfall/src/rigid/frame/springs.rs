@@ -55,7 +55,7 @@ fn force_of(spring: &Spring, length: f32, bodies: &Bodies) -> (Vec3A, [Vec3A; 2]
     let arm = |body: usize, side: usize| Vec3A::from(rotated(bodies.poses[body].turn, spring.places[side]));
     let arms = [arm(a, 0), arm(b, 1)];
     let way = Vec3A::from(bodies.poses[b].position - bodies.poses[a].position) + (arms[1] - arms[0]);
-    let apart = way + Vec3A::from(bodies.periods.to_nearest(way.into()));
+    let apart = way + Vec3A::from(bodies.periods.nearest(way.into()));
     let distance = apart.length();
     if distance == 0.0 {
         return (Vec3A::ZERO, arms);

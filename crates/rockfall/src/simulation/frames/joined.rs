@@ -118,8 +118,7 @@ impl JoinedFrames {
     /// As for [`JoinedFrames::new`].
     pub(crate) fn put(&mut self, worlds: &[&Simulation]) -> Result<bool> {
         let (world, starts) = joined(worlds);
-        let ends =
-            |world: &RigidWorld| world.joints.list.iter().map(|joint| (joint.kind, joint.ends.clone())).collect::<Vec<_>>();
+        let ends = |world: &RigidWorld| world.joints.list.iter().map(|joint| (joint.kind, joint.ends)).collect::<Vec<_>>();
         let fits = starts == self.starts
             && (&world.colliders, &world.shapes) == (&self.world.colliders, &self.world.shapes)
             && ends(&world) == ends(&self.world);

@@ -31,7 +31,7 @@ fn drive(body: &mut Body, motion: &Motion, [base, origin]: [DVec3; 2], periods: 
     let ((from, turn), (to, next)) = (pose(motion, origin, time), pose(motion, origin, time + dt));
     let middle = motion.pose(time + 0.5 * dt).spin();
     let spin = if middle.length() * dt < LONG_TURN { spin_between(turn, next, dt) } else { middle };
-    let image = periods.to_nearest_finely(from - origin);
+    let image = periods.nearest_finely(from - origin);
     body.pose = Pose::new((from + image - base).as_vec3(), turn.as_quat());
     (body.velocity, body.spin) = (((to - from) / dt).as_vec3(), spin.as_vec3());
 }

@@ -239,7 +239,7 @@ fn assert_closed(heap: &Heap, most: f64, at: u64) -> Outcome {
 /// a thousand times its mass hits at 100 units/s may be driven into a wall, but not through it.
 #[test]
 fn no_body_passes_the_walls_of_a_closed_room() {
-    check(250, (heap(true, 20.0), 1..FRAMES), |(heap, at)| assert_closed(&heap, f64::from(THICK) / 4.0, at));
+    check(250, (heap(true, 20.0), 1..FRAMES), |(heap, at)| assert_closed(&heap, f64::from(THICK) / 2.0, at));
 }
 
 /// With masses of 1 to 10 that start apart, and cross a tenth of themselves in a frame, no centre gets into a wall.

@@ -86,7 +86,7 @@ impl Pivot {
         let arm_b = Vec3A::from(rotated(pose_b.turn, end_b.place));
         let anchor_a = Vec3A::from(rotated(pose_a.turn, end_a.place));
         let between = Vec3A::from(pose_b.position - pose_a.position);
-        let image = Vec3A::from(bodies.periods.to_nearest((between + (arm_b - anchor_a)).into()));
+        let image = Vec3A::from(bodies.periods.nearest((between + (arm_b - anchor_a)).into()));
         let arm_a = between + arm_b + image;
         let relative = product(back(own), other);
         let sign = if relative.w < 0.0 { -1.0 } else { 1.0 };
