@@ -12,7 +12,7 @@ const PENDULUM: &str = r#"<robot name="pendulum">
   </link>
   <joint name="hinge" type="revolute">
     <origin xyz="0 0 2" rpy="0 0.1 0"/><parent link="world"/><child link="rod"/><axis xyz="0 1 0"/>
-    <limit lower="-3" upper="3" effort="10"/>
+    <limit lower="-3" upper="3" effort="10" velocity="8"/>
   </joint>
 </robot>"#;
 
@@ -21,7 +21,7 @@ fn a_robot_is_written_checked_and_run() {
     let rockfall = Rockfall::with("");
     fs::write(rockfall.path("robot.urdf"), PENDULUM).unwrap();
     let (out, notes) = rockfall.run("import robot.urdf", 0);
-    let note = "robot.urdf:9: <limit>: the attribute effort is not taken over";
+    let note = "robot.urdf:9: <limit>: the attribute velocity is not taken over";
     assert_eq!(notes, format!("note: {note}\n"));
     assert!(out.starts_with(&format!("# rockfall import robot.urdf\n# note: {note}\n\n")), "{out}");
     let (nothing, _) = rockfall.run("import robot.urdf --out robot.txt", 0);
