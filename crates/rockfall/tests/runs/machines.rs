@@ -112,7 +112,7 @@ fn the_linkages_obey_their_closed_forms() {
 #[test]
 fn the_crane_breaks_the_wall() {
     let mut simulation = opened("crane");
-    let places = |scene: &Scene| scene.bodies().iter().map(|body| Vec3::from(body.position)).collect::<Vec<_>>();
+    let places = |scene: &Scene| scene.bodies().iter().map(|body| body.position).collect::<Vec<_>>();
     let before = places(simulation.scene());
     let mut open = 0.0_f32;
     for _ in 0..300 {
