@@ -35,7 +35,7 @@ const MISTAKES: &[[&str; 2]] = &[
 /// Scenes in which a mistake may show, at the frame that is compared.
 fn scenes() -> Vec<(&'static str, Scene)> {
     let flat = device::scenes().into_iter().filter(|scene| ["pile", "corner", "elastic corner"].contains(&scene.0));
-    let round = ["tiles", "rolling", "ground"];
+    let round = ["tiles", "rolling", "ground", "passing"];
     let round = device_round::scenes().into_iter().filter(move |scene| round.contains(&scene.0));
     flat.chain(round)
         .map(|(name, mut scene, seconds)| {
