@@ -196,7 +196,7 @@ WRONG: list[tuple[str, dict[str, Any], type[Exception], str]] = [
     ("set_joints", {"joints": 2, "speed": 1.0}, ValueError, "joint: 2 of 2 is not allowed, expected a number below"),
     ("set_joints", {"worlds": 3, "speed": 1.0}, LookupError, "worlds: there is no world 3"),
     ("set_joints", {"max_force": -1.0}, ValueError, "joint.max_force: -1.0 is not allowed"),
-    ("set_joint_forces", {"forces": [1.0]}, ValueError, r"speed: expected shape \(3, 2\)"),
+    ("set_joint_forces", {"forces": [1.0]}, ValueError, r"effort: expected shape \(3, 2\)"),
     ("place_joints", {"positions": [1.0]}, ValueError, r"positions: expected shape \(3, 2\) or \(2,\), got \(1,\)"),
     ("place_joints", {"positions": np.nan}, ValueError, "positions: expected finite numbers"),
     ("set_bodies", {"bodies": 2, "positions": [[0.0, 0, 0]]}, ValueError, "body: 2 of 2 is not allowed"),
