@@ -81,8 +81,8 @@ fn look_into(own: Own, key: vec2u, is_own: bool) {
     }
 }
 
-// The cells of a level: at most three along each axis, whatever the box. Of its own level a collider looks at its own cell and at those after
-// it. Its images look at all cells, and take the greater numbers of its own level.
+// The cells of a level: at most three along each axis, whatever the box. Of its own level a collider looks at its own cell and at
+// those after it. Its images look at all cells, and take the greater numbers of its own level.
 fn look_around(own: Own, level: u32, cell: vec3i, is_own_level: bool) {
     let fineness = fineness_of(level);
     let low = vec3i(floor(own.least * fineness - vec3f(0.5)));
@@ -97,7 +97,8 @@ fn look_around(own: Own, level: u32, cell: vec3i, is_own_level: bool) {
             let is_row = is_layer && y == cell.y;
             let start_x = select(low.x, cell.x, is_row);
             for (var x = start_x; x <= min(high.x, start_x + 2); x++) {
-                look_into(own, key_in_world(key_of(level, vec3i(x, y, z)), own.home), (is_row && x == cell.x) || (is_own_level && is_image));
+                let key = key_in_world(key_of(level, vec3i(x, y, z)), own.home);
+                look_into(own, key, (is_row && x == cell.x) || (is_own_level && is_image));
             }
         }
     }
