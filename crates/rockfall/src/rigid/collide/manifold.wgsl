@@ -107,15 +107,6 @@ fn least_separation(manifold: ptr<function, Manifold>) -> f32 {
     return least;
 }
 
-// Normals whose product is greater are those of contacts that lie flat.
-const FLAT: f32 = 0.99;
-
-// Whether the contact of a face has the place of a contact of edges, and others: corners of a plate that lies over an edge touch, too.
-fn lies_flat(face: ptr<function, Manifold>, edges: ptr<function, Manifold>, slack: f32) -> bool {
-    return (*face).count > 1u && dot((*face).normal, (*edges).normal) > FLAT
-        && least_separation(face) <= least_separation(edges) + slack;
-}
-
 // Exchanges the shapes of a manifold, and turns it to coordinates in which those of its first shape have this position and these axes.
 fn exchange_shapes(manifold: ptr<function, Manifold>, position: vec3f, axes: mat3x3f) {
     (*manifold).normal = -(axes * (*manifold).normal);

@@ -2,6 +2,15 @@
 
 // Any two of face, box and hull, with radii (docs/physics section 11.13).
 
+// Normals whose product is greater are those of contacts that lie flat.
+const FLAT: f32 = 0.99;
+
+// Whether the contact of a face has the place of a contact of edges, and others: corners of a plate that lies over an edge touch, too.
+fn lies_flat(face: ptr<function, Manifold>, edges: ptr<function, Manifold>, slack: f32) -> bool {
+    return (*face).count > 1u && dot((*face).normal, (*edges).normal) > FLAT
+        && least_separation(face) <= least_separation(edges) + slack;
+}
+
 struct SolidPair {
     a: Solid,
     b: Solid,

@@ -1,4 +1,4 @@
-// requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl rigid/frame/states.wgsl
+// requires rigid/frame/places.wgsl rigid/frame/rows.wgsl rigid/frame/scratch.wgsl rigid/frame/states.wgsl rigid/frame/belt.wgsl
 
 // The geometry of the blocks in the present pose, and after impacts at the clocks of their bodies, with round pairs found anew
 // (docs/physics sections 11.4 and 11.7).

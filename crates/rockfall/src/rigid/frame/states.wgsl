@@ -83,16 +83,6 @@ fn on_b(sight: Sight, point: u32) -> vec3f {
     return sight.apart + turned_vector(sight.b.turn, bitcast<vec3f>(points[POINT_ROWS * point + 1u].xyz));
 }
 
-fn belt_in(sight: Sight, pair: u32, normal: vec3f) -> vec2f {
-    let at = PAIR_ROWS * pair;
-    if (pairs[at + 1u].w & BELT) == 0u {
-        return vec2f(0.0);
-    }
-    let sides = pairs[at + 3u].xy + vec2u(CONSTANT_ROWS * frame.bodies);
-    let slip = turned_vector(sight.b.turn, constants[sides.y].xyz) - turned_vector(sight.a.turn, constants[sides.x].xyz);
-    return vec2f(dot(slip, tangent_one(normal)), dot(slip, tangent_two(normal)));
-}
-
 // Radius of the smaller body with mass.
 fn least_radius(block: Block) -> f32 {
     let a = bodies[BODY_ROWS * block.a + 6u].w;
