@@ -57,6 +57,9 @@ const BITS: u32 = 21;
 /// Boxes that one task takes.
 const CHUNK: usize = 1024;
 
+/// Boxes that one task takes at least where it does little with each. Fewer are not worth the way to another thread.
+const GRAIN: usize = 256;
+
 /// Boxes of about one size.
 struct Grid {
     origin: DVec3,
@@ -202,7 +205,7 @@ fn with_large(boxes: &[Aabb], large: &[u32], put: impl Fn(&mut Vec<(u32, u32)>, 
 
 /// Grids, the finest first, and the boxes that are in none, ascending.
 fn sort(boxes: &[Aabb]) -> (Vec<Grid>, Vec<u32>) {
-    let sizes: Vec<f64> = boxes.par_iter().map(Aabb::size).collect();
+    let sizes: Vec<f64> = boxes.par_iter().with_min_len(GRAIN).map(Aabb::size).collect();
     let mut known: Vec<f64> = sizes.iter().copied().filter(|size| size.is_finite()).collect();
     let mut large: Vec<u32> = Vec::new();
     if known.len() < 2 * FEWEST {
@@ -213,7 +216,7 @@ fn sort(boxes: &[Aabb]) -> (Vec<Grid>, Vec<u32>) {
     let base = *known.select_nth_unstable_by(rank, f64::total_cmp).1;
     let mut levels: BTreeMap<i32, Vec<u32>> = BTreeMap::new();
     let level = |size: &f64| libm::log2(size / (1.01 * base)).ceil().clamp(-20.0, 200.0);
-    let places: Vec<f64> = sizes.par_iter().map(level).collect();
+    let places: Vec<f64> = sizes.par_iter().with_min_len(GRAIN).map(level).collect();
     for (number, (size, level)) in sizes.iter().zip(places).enumerate() {
         if size.is_finite() {
             levels.entry(if level.is_nan() { 0 } else { level as i32 }).or_default().push(number as u32);
@@ -240,13 +243,13 @@ impl Grid {
         // A little larger than the boxes, for rounding.
         let mut grid = Self { origin: low, cell: (size * (1.0 + 1e-6)).max(1e-30), entries: Vec::new() };
         let key = |number: &u32| (grid.key(boxes[*number as usize].middle()), *number);
-        let mut order: Vec<(u64, u32)> = numbers.par_iter().map(key).collect();
+        let mut order: Vec<(u64, u32)> = numbers.par_iter().with_min_len(GRAIN).map(key).collect();
         order.par_sort_unstable();
         let entry = |(key, number): (u64, u32)| {
             let bounds = &boxes[number as usize];
             Entry { key, number, min: bounds.min.into(), max: bounds.max.into() }
         };
-        grid.entries = order.into_par_iter().map(entry).collect();
+        grid.entries = order.into_par_iter().with_min_len(GRAIN).map(entry).collect();
         grid
     }
 

@@ -319,6 +319,10 @@ impl Visit {
             return;
         }
         let (speed, inverse) = (side * ends.speed_of(&axis.row), axis.row.inverse);
+        // A limit that is not reached in this substep.
+        if before == 0.0 && room > 0.0 && (!self.biased || speed + room / self.h >= 0.0) {
+            return;
+        }
         let step = match self.biased {
             true if room > 0.0 => -(speed + room / self.h) / inverse,
             true => -(self.soft.mass * speed + self.soft.rate * room) / inverse - self.soft.impulse * before,
@@ -342,6 +346,9 @@ struct Axis {
 
 impl Axis {
     fn new(row: Row, armature: f32) -> Self {
+        if armature == 0.0 {
+            return Self { row, share: 0.0, sum: 0.0 };
+        }
         let taken = armature * row.inverse;
         let (share, inverse) = (taken / (1.0 + taken), row.inverse / (1.0 + taken));
         Self { row: Row { inverse, ..row }, share, sum: 0.0 }

@@ -2,7 +2,7 @@
 
 use glam::{Mat3A, Vec3, Vec3A};
 
-use super::pivot::{Row, inverse, reduced};
+use super::pivot::{Answer, Row, inverse, reduced};
 use super::{Ends, Visit};
 use crate::rigid::joints::{Drive, Free, Joint, JointState, within};
 
@@ -35,7 +35,7 @@ impl Visit {
             state.off = if joint.kind.free == Free::Turn { reduced(off, 0.0) } else { off };
         }
         let Some((row, _)) = ends.pivot.free else { return };
-        let Coupling { across, answer, expected } = self.coupling(joint, &row, state, ends);
+        let Coupling { across, answer, expected } = self.coupling(&row, state, ends);
         // K with a hard block is positive, whatever its rounding.
         let hard = (row.inverse + across.dot(answer) / self.gain()).max(LEAST * row.inverse);
         let give = (row.inverse + across.dot(answer)).max(hard);
@@ -57,19 +57,15 @@ impl Visit {
     }
 
     /// The block that answers the drive: the linear one of a turn, the angular one of a slide.
-    fn coupling(&self, joint: &Joint, row: &Row, state: &JointState, ends: &Ends<'_>) -> Coupling {
-        let (pivot, back) = (ends.pivot, ends.pivot.axes.transpose());
-        let (block, across, rate, before) = if row.angular {
-            let block = pivot.linear.as_ref().filter(|_| joint.kind.linear == 0b111);
-            (block, pivot.moved_by(row.along), ends.speed(), state.impulses.linear)
-        } else {
-            let block = pivot.angular.as_ref().filter(|_| joint.kind.angular == 0b111);
-            (block, pivot.turned_by(row.along), ends.rate(), state.impulses.angular)
+    fn coupling(&self, row: &Row, state: &JointState, ends: &Ends<'_>) -> Coupling {
+        let pivot = ends.pivot;
+        let (block, rate, before) = match row.angular {
+            true => (&pivot.linear, ends.speed(), state.impulses.linear),
+            false => (&pivot.angular, ends.rate(), state.impulses.angular),
         };
-        let Some(block) = block else { return Coupling::default() };
-        let across = back * across;
-        let answer = -self.gain() * block.scale * (block.inverse * across);
-        Coupling { across, answer, expected: self.step(block, back * rate, before.into()) }
+        let (Some(block), Some(Answer { across, against })) = (block, &pivot.answer) else { return Coupling::default() };
+        let answer = -self.gain() * block.scale * *against;
+        Coupling { across: *across, answer, expected: self.step(block, pivot.axes.transpose() * rate, before.into()) }
     }
 
     /// The change of the impulse of a row at this speed, with its K and that of a hard block.

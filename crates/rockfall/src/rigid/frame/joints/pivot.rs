@@ -33,6 +33,16 @@ pub(super) struct Pivot {
     pub(super) cone: Option<(Row, f32)>,
     pub(super) linear: Option<Block>,
     pub(super) angular: Option<Block>,
+    /// How the block that answers a drive does so.
+    pub(super) answer: Option<Answer>,
+}
+
+/// How the linear block of a turn, or the angular one of a slide, answers the drive along the free axis. Along the axes of the joint.
+pub(super) struct Answer {
+    /// The rate of the block that an impulse of 1 of the drive gives, and the rate of the drive that one of the block gives.
+    pub(super) across: Vec3A,
+    /// `scale` of the block times this is the impulse that takes that rate away.
+    pub(super) against: Vec3A,
 }
 
 /// A row along a direction, with the inverse of its mass.
@@ -74,7 +84,20 @@ impl Pivot {
             };
             Block::new(pivot.turning(), kind.angular, &pivot.axes, off)
         });
+        if drive.acts() && !drive.locked {
+            pivot.answer = pivot.free.and_then(|(row, _)| pivot.answer_to(&row, kind));
+        }
         pivot
+    }
+
+    fn answer_to(&self, row: &Row, kind: Kind) -> Option<Answer> {
+        let (block, rows, across) = match row.angular {
+            true => (&self.linear, kind.linear, self.moved_by(row.along)),
+            false => (&self.angular, kind.angular, self.turned_by(row.along)),
+        };
+        let block = block.as_ref().filter(|_| rows == 0b111)?;
+        let across = self.axes.transpose() * across;
+        Some(Answer { across, against: block.inverse * across })
     }
 
     /// The places and turns alone.
@@ -104,6 +127,7 @@ impl Pivot {
             cone: None,
             linear: None,
             angular: None,
+            answer: None,
         }
     }
 
@@ -151,12 +175,12 @@ impl Pivot {
     }
 
     /// What an impulse on B at its anchor gives: the spin of B relative to A.
-    pub(super) fn turned_by(&self, push: Vec3A) -> Vec3A {
+    fn turned_by(&self, push: Vec3A) -> Vec3A {
         self.mass_a.inverse_inertia * self.arm_a.cross(push) + self.mass_b.inverse_inertia * self.arm_b.cross(push)
     }
 
     /// What an angular impulse on B gives: the velocity of B at its anchor, relative to A.
-    pub(super) fn moved_by(&self, turn: Vec3A) -> Vec3A {
+    fn moved_by(&self, turn: Vec3A) -> Vec3A {
         (self.mass_a.inverse_inertia * turn).cross(self.arm_a) + (self.mass_b.inverse_inertia * turn).cross(self.arm_b)
     }
 
