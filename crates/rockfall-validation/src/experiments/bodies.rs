@@ -85,7 +85,7 @@ fn tops(outcome: &mut Outcome) -> Result<()> {
     outcome.check("asymmetric top: half a period, s", half, measured, 1e-3 * half);
     let errors = [0.2_f32, 0.1].map(|step| of(step).map(|measured| (measured - half).abs()));
     let [coarse, fine] = errors;
-    outcome.check("asymmetric top: error of the period at h = 0.2 over that at h = 0.1", 4.0, coarse? / fine?, 0.4);
+    outcome.check("asymmetric top: error of the period, h = 0.2 / h = 0.1", 4.0, coarse? / fine?, 0.4);
 
     let flips = crossings(Vec3::new(0.01, 2.0, 0.0), 0.02, 12.0)?;
     outcome.check("flip: first, ω = (0.01, 1, 0), s", 10.3773, flips[0], 0.02);
@@ -150,7 +150,7 @@ fn rod(outcome: &mut Outcome) -> Result<()> {
     }
     let after = body(&mut simulation)?;
     let impulse = 1.8 / (1.0 + 3.0 * 0.5);
-    outcome.check("rod at 45°: velocity of its centre after the impact over that before", 1.0 - impulse, -f64::from(after.velocity.y), 0.01);
+    outcome.check("rod at 45°: velocity of its centre, after / before", 1.0 - impulse, -f64::from(after.velocity.y), 0.01);
     let spin = f64::from(after.angular_momentum.z) / f64::from(across);
     outcome.check("rod at 45°: spin after the impact, rad/s", 3.0547, spin.abs(), 0.02);
     Ok(())
@@ -203,9 +203,9 @@ fn slopes(outcome: &mut Outcome) -> Result<()> {
     let way = 0.5 * f64::from(GRAVITY) * (above.sin() - 0.2 * above.cos()) * 0.16;
     outcome.check("tripod at 1.2 of the friction: way in 0.4 s, m", way, slide(1.2)?[0], 0.05 * way);
     let tip = |factor: f64| tripod((factor / 3.0).atan(), 1.0);
-    outcome.check("tripod at 0.97 of the slope at which it tips: tilt, rad", 0.0, tip(0.97)?[1], 2e-3);
+    outcome.check("tripod at 0.97 of the tipping slope: tilt, rad", 0.0, tip(0.97)?[1], 2e-3);
     let tilt = tip(1.05)?[1];
-    outcome.check("tripod at 1.05 of that slope: it tips (1: yes)", 1.0, f64::from(u8::from(tilt > 0.02)), 0.0);
+    outcome.check("tripod at 1.05 of it: tips", 1.0, f64::from(u8::from(tilt > 0.02)), 0.0);
     Ok(())
 }
 
@@ -291,8 +291,8 @@ fn gas(outcome: &mut Outcome) -> Result<()> {
         ratio += (total - moving) / 2.0 / (moving / 3.0) / f64::from(samples);
     }
     let last = simulation.energy()?;
-    outcome.check("gas of dimers: energy per degree of freedom of the rotation over that of the translation", 1.0, ratio, 0.06);
-    outcome.check("gas of dimers: energy at the end over that at the start", 1.0, last.total() / first.total(), 2e-3);
+    outcome.check("dimers: energy per degree of freedom, rotation / translation", 1.0, ratio, 0.06);
+    outcome.check("dimers: energy, end / start", 1.0, last.total() / first.total(), 2e-3);
     Ok(())
 }
 

@@ -118,7 +118,7 @@ fn soft_contacts(outcome: &mut Outcome) -> Result<()> {
     let mut measured = Vec::new();
     for damping in [2.0_f32, 5.0, 12.5, 25.0, 40.0, 55.0] {
         let e = soft(damping)?;
-        let name = format!("contact force alone, Cd = {damping}: restitution");
+        let name = format!("force alone, Cd = {damping}: restitution");
         outcome.check(name, soft_theory(damping.into()), e, 5e-3);
         measured.push((f64::from(damping), e));
     }

@@ -90,7 +90,7 @@ fn free_gas(outcome: &mut Outcome) -> Result<()> {
         off = off.max((now / theory(time) - 1.0).abs());
         measured.push((time, now));
     }
-    outcome.check("cooling gas, e = 0.9: greatest part of the temperature by which it differs from Haff's law", 0.0, off, 0.08);
+    outcome.check("cooling gas, e = 0.9: largest departure from Haff's law, relative", 0.0, off, 0.08);
     outcome.charts.push(
         Chart::new("boxes-haff", "A gas that cools in a periodic box", Axis::linear("time"), Axis::linear("temperature"))
             .add(0, Mark::Line, "Haff's law", curve(0.0, 31.0, 100, theory))
@@ -140,7 +140,7 @@ fn packing(outcome: &mut Outcome) -> Result<()> {
         }
         measured.push((way, load.force.y));
     }
-    outcome.check("packing: greatest part by which the force differs from Hertz's law", 0.0, off, 0.03);
+    outcome.check("packing: largest departure from Hertz's law, relative", 0.0, off, 0.03);
     outcome.charts.push(
         Chart::new("boxes-packing", "A simple cubic packing that is pressed", Axis::linear("way of the lid (m)"), Axis::linear("force on the lid (N)"))
             .add(0, Mark::Line, "Hertz's law", curve(0.0, 4e-3, 100, theory))

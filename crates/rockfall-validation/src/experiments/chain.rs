@@ -148,7 +148,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
         let lowest = found.iter().map(|joint| joint.1).fold(0.0, f64::min);
         let mut outcome = Outcome::default();
         outcome.fact("moved", start);
-        outcome.check("joints: largest distance from their positions at rest (units)", 0.0, worst, 3e-3);
+        outcome.check("joints: largest distance from rest (units)", 0.0, worst, 3e-3);
         outcome.check("sag (units), against the smooth catenary", -height(0.0), -lowest, 5e-3);
         outcome.check("rods: largest relative error of the length", 0.0, stretch, 1.5e-3);
         let (frequency, shape) = slowest();

@@ -107,12 +107,7 @@ fn sliding(outcome: &mut Outcome) -> Result<()> {
         }
         let power = 1.0 + 1.0 / f64::from(law.power);
         outcome.check(format!("{}: sliding distance / theory - 1, worst case", law.name), 0.0, worst, 0.01);
-        outcome.check(
-            format!("{}: exponent of the velocity in the sliding distance", law.name),
-            power,
-            power_fit(&distances_found),
-            0.02,
-        );
+        outcome.check(format!("{}: exponent of v0 in the distance", law.name), power, power_fit(&distances_found), 0.02);
         distances = distances
             .add(
                 colour,
@@ -182,7 +177,7 @@ fn rolling(outcome: &mut Outcome) -> Result<()> {
     outcome.charts.push(chart);
     let angle = 20_f64.to_radians();
     for law in [root, coulomb] {
-        let name = format!("{}, capsule across a slope of 20 degrees: acceleration (units/s²)", law.name);
+        let name = format!("{}, capsule across 20 degrees: acceleration (units/s²)", law.name);
         outcome.check(name, roll(angle), rolling_capsule(law, angle)?, 5e-3);
     }
     Ok(())

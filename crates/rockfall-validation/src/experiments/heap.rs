@@ -33,7 +33,7 @@ fn three(outcome: &mut Outcome) -> Result<()> {
     }
     let falls = points.iter().filter(|point| point.1 > 0.5).map(|point| point.0).fold(0.0, f64::max);
     let stands = points.iter().filter(|point| point.1 < 0.05).map(|point| point.0).fold(f64::INFINITY, f64::min);
-    outcome.check("three spheres: limit of mu_c between falling and standing", limit, 0.5 * (falls + stands), 0.02);
+    outcome.check("three spheres: limit of mu_c", limit, 0.5 * (falls + stands), 0.02);
     outcome.check("three spheres: largest mu_c that falls / least that stands", 1.0, falls / stands, 0.15);
     outcome.fact("three_root", sunk((0.0, 50.0))?);
     let axes = (Axis::linear("mu_c"), Axis::linear("sinking of the top in 10 s (units)"));

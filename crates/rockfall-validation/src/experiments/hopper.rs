@@ -116,7 +116,7 @@ pub(crate) fn run(effort: Effort) -> Result<Outcome> {
         effort.pick(0.15, 0.05),
     );
     let all = |of: fn(&Discharge) -> f64| mean(&out.iter().map(of).collect::<Vec<_>>());
-    outcome.check("discharge in the second half of the time / in the first", 1.0, all(|out| out.later), effort.pick(0.5, 0.15));
+    outcome.check("discharge, second half / first half", 1.0, all(|out| out.later), effort.pick(0.5, 0.15));
     outcome.check("acceleration of spheres below the hole (units/s²)", 1.0, all(|out| out.fall), 0.01);
     outcome.check("largest friction on a sphere / pressure", 0.5, out.iter().map(|out| out.friction).fold(0.0, f64::max), 0.01);
     let axes = (Axis::linear("width of the hole (diameters)"), Axis::linear("discharge (spheres/s)"));

@@ -122,7 +122,7 @@ fn inclines(outcome: &mut Outcome, effort: Effort) -> Result<()> {
         let top = theory(bed + 0.5);
         let inside = flow.layers.iter().filter(|(height, _)| (1.0..bed - 0.5).contains(height));
         let off = inside.map(|(height, speed)| (speed - theory(*height)).abs() / top).fold(0.0, f64::max);
-        outcome.check(format!("{degrees} degrees: greatest part of the speed at the top by which the profile differs"), 0.0, off, 0.25);
+        outcome.check(format!("{degrees} degrees: profile, largest departure / speed at the top"), 0.0, off, 0.25);
         chart = chart.add(colour, Mark::Line, format!("{degrees} degrees, Bagnold"), curve(0.5, bed + 0.5, 100, theory));
         chart = chart.add(colour, Mark::Points, format!("{degrees} degrees, measured"), flow.layers);
     }

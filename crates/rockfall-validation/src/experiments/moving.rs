@@ -89,12 +89,7 @@ fn turntable(outcome: &mut Outcome) -> Result<()> {
     let mut points = Vec::new();
     for rate in [4.0, 5.0, 7.0, 9.0] {
         let found = orbit(rate)?;
-        outcome.check(
-            format!("turntable at {rate} rad/s: frequency of the orbit (rad/s)"),
-            theory(rate),
-            found,
-            0.015 * theory(rate),
-        );
+        outcome.check(format!("turntable at {rate} rad/s: orbit frequency (rad/s)"), theory(rate), found, 0.015 * theory(rate));
         points.push((rate, found));
     }
     let axes = (Axis::linear("spin of the ground (rad/s)"), Axis::linear("frequency of the orbit (rad/s)"));
@@ -199,13 +194,13 @@ fn looping(outcome: &mut Outcome) -> Result<()> {
         outcome.check(format!("loop, {name}: sine of the angle where it leaves, largest departure"), 0.0, worst, 0.05);
         let goes = |heights: f64| Ok::<f64, crate::Error>(if leaves(heights, rolls)?.is_none() { 1.0 } else { 0.0 });
         outcome.check(
-            format!("loop, {name}: completes the loop from {:.2} radii (1: yes)", 1.04 * least),
+            format!("loop, {name}: completes it from {:.2} radii (1: yes)", 1.04 * least),
             1.0,
             goes(1.04 * least)?,
             0.0,
         );
         outcome.check(
-            format!("loop, {name}: completes the loop from {:.2} radii (1: yes)", 0.96 * least),
+            format!("loop, {name}: completes it from {:.2} radii (1: yes)", 0.96 * least),
             0.0,
             goes(0.96 * least)?,
             0.0,

@@ -78,7 +78,7 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
             for degrees in [5.0_f64, 30.0, 60.0, 90.0, 120.0, 150.0] {
                 let expected = small * correction(degrees.to_radians());
                 let found = swing(arms, degrees.to_radians(), expected)?;
-                outcome.check(format!("{name}, {degrees} degrees: period (s)"), expected, found, 2e-3 * expected);
+                outcome.check(format!("{name}, {degrees}°: period (s)"), expected, found, 2e-3 * expected);
                 points.push((degrees, found / small));
             }
             chart = chart.add(colour + 1, Mark::Points, name, points);

@@ -198,8 +198,8 @@ fn piles(outcome: &mut Outcome) -> Result<()> {
     let (far, coarse) = (far?, coarse?);
     let early = near.iter().zip(&far).take_while(|(near, _)| near.0 < 2.1);
     let difference = early.map(|(near, far)| (far.1 / near.1 - 1.0).abs()).fold(0.0, f64::max);
-    outcome.check("pile at 1e5, double: relative difference of the kinetic energy from that at the origin in 2 s", 0.0, difference, 0.01);
-    let what = |case: &str| format!("pile {case}, double: speed at rest (last digits at 1e5 per step)");
+    outcome.check("pile at 1e5, double: relative difference of the kinetic energy in 2 s", 0.0, difference, 0.01);
+    let what = |case: &str| format!("pile {case}, double: speed at rest (last digits per step)");
     outcome.check(what("at the origin"), 0.0, digits_per_step(&near), 5.0);
     outcome.check(what("at 1e5"), 0.0, digits_per_step(&far), 5.0);
     outcome.fact("pile_single", digits_per_step(&coarse));

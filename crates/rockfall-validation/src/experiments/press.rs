@@ -89,7 +89,7 @@ fn decay(outcome: &mut Outcome) -> Result<()> {
         let measured = errors(integrator, 12)?;
         let expected: Vec<f64> = (0..12).map(theory).collect();
         let off = measured.iter().zip(&expected).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
-        outcome.check(format!("decay, {name}: greatest difference from theory, as part of the force"), 0.0, off, 2e-5);
+        outcome.check(format!("decay, {name}: largest departure / force"), 0.0, off, 2e-5);
         let points = |values: &[f64]| values.iter().enumerate().map(|(step, value)| (step as f64, *value)).collect::<Vec<_>>();
         chart = chart.add(2 * number, Mark::Line, format!("{name}, theory"), points(&expected));
         chart = chart.add(2 * number + 1, Mark::Points, name, points(&measured));

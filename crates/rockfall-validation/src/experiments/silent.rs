@@ -95,7 +95,7 @@ fn slow(outcome: &mut Outcome) -> Result<()> {
     let integrators = [Integrator::Rk4, Integrator::SymplecticEuler, Integrator::VelocityVerlet];
     // The step is 3e-8, 5e-9 and 1e-9 of the coordinate. Half of the distance of neighbouring f32 numbers is 3e-8 to 6e-8 of it.
     for (integrator, (place, speed)) in integrators.into_iter().zip([(0.6, 0.02), (1.0, 0.005), (5.0, 0.005)]) {
-        let what = format!("{integrator}: distance covered at {speed} m/s, {place} m from the origin, over v t");
+        let what = format!("{integrator}: distance / v t, at {speed} m/s, {place} m from the origin");
         outcome.check(what, 1.0, covered(integrator, place, speed, 1e-6, 100_000)?, 0.01);
     }
     Ok(())

@@ -144,13 +144,13 @@ pub(crate) fn run(_: Effort) -> Result<Outcome> {
             [16, 32, 64, 256].into_iter().map(|steps| Ok((steps, thrown(steps)?))).collect::<Result<_>>()?;
         let [coarse @ .., (_, finest)] = &flights[..] else { unreachable!("four flights") };
         outcome.fact("turns", angular_momentum().length() / ACROSS * SECONDS / std::f64::consts::TAU);
-        outcome.check("h = 1/256 s: axis, largest angle from the exact motion (rad)", 0.0, finest.worst, 2e-3);
+        outcome.check("h = 1/256 s: axis, largest error (rad)", 0.0, finest.worst, 2e-3);
         let order =
             power_fit(&coarse.iter().map(|(steps, flight)| (1.0 / f64::from(*steps), flight.worst)).collect::<Vec<_>>());
-        outcome.check("order of that angle in h, from 1/16 to 1/64 s", 2.0, order, 0.1);
+        outcome.check("order of that error, from 1/16 to 1/64 s", 2.0, order, 0.1);
         outcome.check("centre of mass from its parabola after 10 s (units)", 0.0, finest.miss, 1e-3);
         for (steps, flight) in coarse {
-            let name = format!("h = 1/{steps} s: decay of the spin about the axis (1e-6/s)");
+            let name = format!("h = 1/{steps} s: decay of the axial spin (1e-6/s)");
             // Rounding changes the spin by about 1e-7 per step.
             let rounding = 1e-7 * f64::from(*steps);
             outcome.check(name, 1e6 * loss(*steps), 1e6 * decay(&flight.spins), 1e6 * (0.1 * loss(*steps) + rounding));

@@ -92,7 +92,7 @@ fn belt(outcome: &mut Outcome) -> Result<()> {
         off = off.max((speed - theory(time)).abs());
         measured.push((time, speed));
     }
-    outcome.check("belt: greatest difference from the velocity of theory (units/s)", 0.0, off, 0.02 * SPEED);
+    outcome.check("belt: velocity, largest departure (units/s)", 0.0, off, 0.02 * SPEED);
     outcome.check("belt: final velocity (units/s)", 2.0 * SPEED / 7.0, velocity(&mut simulation)?.x, 0.005 * SPEED);
     let work = 2.0 * 0.5 * SPEED * SPEED / 7.0;
     outcome.check("belt: work on the ball (mass units²/s²)", work, meter.work, 0.01 * work);
@@ -134,7 +134,7 @@ fn turntable(outcome: &mut Outcome) -> Result<()> {
         off = off.max((found - expected).with_y(0.0).length());
         path.push((found.x, -found.z));
     }
-    outcome.check("turntable: greatest distance from the circle of theory (units)", 0.0, off, 0.03 * 0.2);
+    outcome.check("turntable: largest distance from the circle (units)", 0.0, off, 0.03 * 0.2);
     let circle = (0..=200).map(|k| TAU * f64::from(k) / 200.0).map(|angle| (0.1 + 0.2 * angle.cos(), 0.2 * angle.sin()));
     outcome.charts.push(
         Chart::new("walls-turntable", "A ball that rolls on a turntable", Axis::linear("x (units)"), Axis::linear("-z (units)"))
@@ -189,7 +189,7 @@ fn plate(outcome: &mut Outcome, effort: Effort) -> Result<()> {
         points.extend(found.iter().map(|flight| (gamma, *flight)));
         match gamma {
             1.35 => {
-                outcome.check("plate, 1.35 G: greatest difference of two flights in a row (periods)", 0.0, spread, 0.01);
+                outcome.check("plate, 1.35 G: largest difference of two flights (periods)", 0.0, spread, 0.01);
                 let mean = found.iter().sum::<f64>() / found.len() as f64;
                 outcome.check("plate, 1.35 G: mean flight (periods)", 1.0, mean, 0.002);
             }

@@ -76,8 +76,8 @@ pub(super) fn flips(outcome: &mut Outcome, effort: Effort) -> Result<()> {
     let [wanted, found] = [&exact, &cosines].map(|samples| crossings(samples)[0]);
     outcome.check("29: body with the moments 1, 2, 3: time of the first flip, s", wanted, found, 0.005);
     let seconds = f64::from(count) * f64::from(FRAME);
-    outcome.check(format!("29: change of its energy in {seconds:.0} s, in parts"), 0.0, energy, 5e-5);
-    outcome.check(format!("29: greatest change of its angular momentum in {seconds:.0} s, kg m²/s"), 0.0, turned, 1e-6);
+    outcome.check(format!("29: relative energy change in {seconds:.0} s"), 0.0, energy, 5e-5);
+    outcome.check(format!("29: angular momentum change in {seconds:.0} s, kg m²/s"), 0.0, turned, 1e-6);
     let until = |samples: Vec<(f64, f64)>, step| samples.into_iter().take(3600).step_by(step).collect();
     let cosine = Axis::linear("cosine of the middle axis with L");
     outcome.charts.push(

@@ -126,7 +126,7 @@ pub(super) fn ratios(outcome: &mut Outcome) -> Result<()> {
         frames(&mut simulation, 8.0)?;
         let exact = 1.25 * (mass + 1.0) * unit_sink(FRAME.into(), substeps);
         let sink = 1.5 - f64::from(top(&mut simulation)?.position.y);
-        outcome.check(format!("23: mass of {mass} on one of 1, {substeps} substeps: sink, m"), exact, sink, 0.02 * exact);
+        outcome.check(format!("23: mass {mass} on 1, {substeps} substeps: sink, m"), exact, sink, 0.02 * exact);
     }
     Ok(())
 }
@@ -159,7 +159,7 @@ pub(super) fn overhangs(outcome: &mut Outcome) -> Result<()> {
             add(&mut scene, cube(Vec3::new(1.0, 0.25, 0.5)), |place| place.at(at))?;
         }
         let found = f64::from(u8::from(settle(scene, 6.0)?.0 > 0.05));
-        let name = format!("27: overhang of four blocks, {share} of the harmonic one, {substeps} substeps: it falls (1: yes)");
+        let name = format!("27: overhang of {share} of the harmonic one, {substeps} substeps: falls");
         outcome.check(name, falls, found, 0.0);
     }
     Ok(())
