@@ -82,7 +82,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/expose.wgsl"
     "rigid/frame/springs.wgsl"
     "rigid/frame/laws.wgsl"
-    "rigid/frame/arc.wgsl",
+    "rigid/frame/arc.wgsl"
     "rigid/frame/belt.wgsl"
     "rigid/frame/joint.wgsl"
     "rigid/frame/block.wgsl"
