@@ -1,4 +1,5 @@
-// requires rigid/frame/rows.wgsl rigid/frame/times.wgsl rigid/frame/reflect.wgsl rigid/frame/warm_start.wgsl physics/quaternion.wgsl rigid/frame/belt.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/times.wgsl rigid/frame/reflect.wgsl rigid/frame/warm_start.wgsl
+// requires physics/quaternion.wgsl rigid/frame/belt.wgsl
 
 // Impacts of a block; blocks that wait; rows of clocked blocks (docs/physics section 11.7).
 

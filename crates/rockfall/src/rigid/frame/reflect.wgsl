@@ -1,4 +1,5 @@
-// requires rigid/frame/rows.wgsl rigid/frame/halt.wgsl rigid/frame/turn.wgsl rigid/frame/sweeps.wgsl rigid/frame/times.wgsl physics/quaternion.wgsl rigid/frame/belt.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/halt.wgsl rigid/frame/turn.wgsl rigid/frame/sweeps.wgsl rigid/frame/times.wgsl
+// requires physics/quaternion.wgsl rigid/frame/belt.wgsl
 
 // The reflection of a block at its time of contact (docs/physics section 11.7).
 
