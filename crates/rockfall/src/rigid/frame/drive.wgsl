@@ -1,4 +1,4 @@
-// requires rigid/frame/joint.wgsl rigid/frame/block.wgsl rigid/frame/tensor.wgsl
+// requires rigid/frame/joint.wgsl rigid/frame/axis.wgsl rigid/frame/tensor.wgsl
 
 // What acts by the rate of a joint at the end of a substep: springs, dampers, efforts, drags and rotors (docs/physics section 11.14).
 
@@ -12,39 +12,6 @@ fn is_last_visit(biased: bool) -> bool {
 // Whether friction, damping and rotor resist all rotations.
 fn is_ball(flags: u32) -> bool {
     return (flags & TURNS) != 0u && ((flags >> ANGULAR) & 7u) == 0u;
-}
-
-// How the block of a joint answers its drive: the linear one of a turn, the angular one of a slide. Along the axes of the joint.
-struct Coupling {
-    // The rate of the block that an impulse of 1 of the drive gives.
-    moved: vec3f,
-    // The impulse of the block that follows an impulse of 1, and the one that follows in any case.
-    answer: vec3f,
-    expected: vec3f,
-}
-
-fn coupling_of(joint: Joint, ends: ptr<function, Ends>, direction: vec3f, own: ptr<function, Impulses>, biased: bool) -> Coupling {
-    let all_rows = vec3<bool>(true);
-    let gain = select(1.0, soft.gain, biased);
-    if (joint.flags & TURNS) != 0u && (joint.flags & 7u) == 7u {
-        let turned_a = respond((*ends).mass_a, direction);
-        let turned_b = respond((*ends).mass_b, direction);
-        let moved = (cross(turned_a, joint.arm_a) + cross(turned_b, joint.arm_b)) * joint.axes;
-        let k = linear_tensor(joint, ends);
-        let rate = (point_speed((*ends).b, joint.arm_b) - point_speed((*ends).a, joint.arm_a)) * joint.axes;
-        let expected = block_change(k, all_rows, rate, joint.apart * joint.axes, (*own).linear, biased);
-        return Coupling(moved, gain * solved(k, all_rows, -moved), expected);
-    }
-    if (joint.flags & SLIDES) != 0u && ((joint.flags >> ANGULAR) & 7u) == 7u {
-        let turned_a = respond((*ends).mass_a, cross(joint.arm_a, direction));
-        let turned_b = respond((*ends).mass_b, cross(joint.arm_b, direction));
-        let moved = (turned_a + turned_b) * joint.axes;
-        let k = angular_tensor(joint, ends);
-        let rate = ((*ends).b.spin - (*ends).a.spin) * joint.axes;
-        let expected = block_change(k, all_rows, rate, 2.0 * joint.twist.xyz, (*own).angular, biased);
-        return Coupling(moved, gain * solved(k, all_rows, -moved), expected);
-    }
-    return Coupling(vec3f(0.0), vec3f(0.0), vec3f(0.0));
 }
 
 // The change of the impulse of a drive at a speed of its row, with its K and that of a hard block.
@@ -71,33 +38,14 @@ fn drive_change(joint: Joint, k: f32, hard: f32, speed: f32, old: f32) -> f32 {
     return (clamp(force, -most, most) + kept - free * speed) / (1.0 + free * k);
 }
 
-// The drive of the free axis. What the block answers is added to its impulses.
-fn drive_row(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
-    let at = JOINT_STATE_ROWS * joint.number;
+// The drive of the free axis.
+fn drive_row(joint: Joint, ends: ptr<function, Ends>, position: f32, axis: ptr<function, Axis>, own: ptr<function, Impulses>, biased: bool) {
     if biased && is_first_visit {
-        joint_states[at + 5u].w = beyond_target(joint, axis.position);
+        joint_states[JOINT_STATE_ROWS * joint.number + 5u].w = beyond_target(joint, position);
     }
-    let block = coupling_of(joint, ends, axis.direction, own, biased);
-    let answered = dot(block.moved, block.answer);
-    // K with a hard block is positive, whatever its rounding.
-    let own_k = 1.0 / axis.lever.inverse;
-    let hard = max(own_k + answered / select(1.0, soft.gain, biased), 1e-5 * own_k);
-    let k = max(own_k + answered, hard);
-    let rate = rate_of(ends, axis.lever) + dot(block.moved, block.expected);
-    let step = drive_change(joint, k, hard, rate, (*own).drive);
+    let step = drive_change(joint, (*axis).give, (*axis).hard, rate_of(ends, (*axis).lever), (*own).drive);
     (*own).drive += step;
-    pull_ends(ends, axis.lever, step);
-    let answer = step * block.answer;
-    if (joint.flags & TURNS) != 0u {
-        (*own).linear += answer;
-        push_ends(joint, ends, Push(joint.axes * answer, vec3f(0.0)));
-    } else {
-        (*own).angular += answer;
-        push_ends(joint, ends, Push(vec3f(0.0), joint.axes * answer));
-    }
-    if is_last_visit(biased) && !is_ball(joint.flags) {
-        joint_states[at + 6u].x = rate + k * step;
-    }
+    pull_axis(joint, ends, axis, step);
 }
 
 // h (c + c_d) + J_a of a ball; 0 for others.

@@ -1,10 +1,12 @@
 //! Energy and momenta of all bodies, and the number of substeps that a scene needs (docs/physics sections 11.2 and 11.10).
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::rigid::common::MAX_SUBSTEPS;
+use crate::rigid::joints::{Free, Joint};
 use crate::rigid::spring_bound::SpringBound;
 use crate::rigid::world::{Body, Kind, RigidWorld};
+use crate::rotate::{product, rotated};
 
 fn loose(world: &RigidWorld) -> impl Iterator<Item = &Body> {
     world.bodies.iter().filter(|body| body.kind == Kind::Dynamic && body.inverse_mass > 0.0)
@@ -42,6 +44,8 @@ pub(crate) fn momenta(world: &RigidWorld) -> (DVec3, DVec3) {
 const LEAST_SUBSTEPS: u32 = 4;
 /// Greatest number of substeps that `auto` chooses.
 const MOST_SUBSTEPS: u32 = 32;
+/// A rotor with more than this multiple of the inertia that its joint moves needs `MOST_SUBSTEPS`.
+const HEAVY_ROTOR: f32 = 10.0;
 /// Greatest h sqrt(g / a) for the least edge a of a body.
 const GREATEST_FALL: f32 = 0.0135;
 
@@ -54,6 +58,21 @@ pub(crate) fn least_width(world: &RigidWorld) -> f32 {
 /// lorry would set them for all.
 pub(crate) fn auto_substeps(world: &RigidWorld, dt: f32) -> u32 {
     let needed = dt * (world.gravity.length() / least_width(world)).sqrt() / GREATEST_FALL;
-    let of_bodies = (needed.ceil() as u32).clamp(LEAST_SUBSTEPS, MOST_SUBSTEPS);
+    let least =
+        if world.joints.list.iter().any(|joint| has_heavy_rotor(world, joint)) { MOST_SUBSTEPS } else { LEAST_SUBSTEPS };
+    let of_bodies = (needed.ceil() as u32).clamp(least, MOST_SUBSTEPS);
     of_bodies.max(SpringBound::of(world).substeps(dt).min(MAX_SUBSTEPS))
+}
+
+/// Whether the rotor of a joint outweighs what the joint moves. Contacts of the body do not know of the rotor.
+fn has_heavy_rotor(world: &RigidWorld, joint: &Joint) -> bool {
+    let bodies = joint.ends.map(|end| &world.bodies[end.body as usize]);
+    let give: f32 = match joint.kind.free {
+        Free::Slide | Free::Line => bodies.iter().map(|body| body.inverse_mass).sum(),
+        Free::Turn | Free::None => {
+            let axis = rotated(product(bodies[0].pose.turn, joint.ends[0].turn), Vec3::X);
+            bodies.iter().map(|body| axis.dot(body.inverse_inertia * axis)).sum()
+        }
+    };
+    joint.drive.armature * give > HEAVY_ROTOR
 }

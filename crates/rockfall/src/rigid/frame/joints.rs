@@ -7,9 +7,11 @@ use crate::rigid::frame::rows::{Pass, Softness};
 use crate::rigid::joints::{Drive, Joint, JointState, within};
 use crate::rigid::world::RigidWorld;
 
+mod axis;
 mod drive;
 mod pivot;
 
+use axis::Axis;
 use pivot::{Block, Pivot, Row, inverse, mask};
 
 /// Damping ratio of the rows.
@@ -202,8 +204,16 @@ impl Visit {
         !self.biased && !self.is_first
     }
 
+    /// Rows that no block answers come before the blocks, and those that a block answers after them.
     fn solve(&self, joint: &Joint, state: &mut JointState, ends: &mut Ends<'_>) {
-        self.drive(joint, state, ends);
+        let drive = &joint.drive;
+        if joint.kind.is_ball() {
+            self.resist(drive, state, ends);
+            self.rub(drive, state, ends);
+        }
+        if let Some((row, angle)) = &ends.pivot.cone {
+            self.limit(&mut Axis::alone(*row), 1.0, drive.cone - angle, &mut state.impulses.cone, ends);
+        }
         let (own, axes) = (&mut state.impulses, &ends.pivot.axes);
         if let Some(block) = &ends.pivot.angular {
             let step = self.step(block, axes.transpose() * ends.rate(), own.angular.into());
@@ -215,6 +225,7 @@ impl Visit {
             own.linear += Vec3::from(step);
             ends.push(*axes * step);
         }
+        self.along(joint, state, ends);
     }
 
     /// The part of a rate that a block takes away.
@@ -233,38 +244,26 @@ impl Visit {
         }
     }
 
-    /// The rows of the free axis and of the cone.
-    fn drive(&self, joint: &Joint, state: &mut JointState, ends: &mut Ends<'_>) {
+    /// The rows of the free axis.
+    fn along(&self, joint: &Joint, state: &mut JointState, ends: &mut Ends<'_>) {
         let drive = &joint.drive;
-        let is_ball = joint.kind.is_ball();
-        let mut free =
-            ends.pivot.free.map(|(row, position)| (Axis::new(row, if is_ball { 0.0 } else { drive.armature }), position));
-        match &mut free {
-            Some((axis, position)) => {
-                self.act(joint, *position, state, ends);
-                if !self.biased {
-                    let [speed, most] = drive.motor_at(*position, self.h);
-                    self.motor(axis, speed, most, &mut state.impulses.motor, ends);
-                }
-            }
-            None => {
-                let own = &mut state.impulses;
-                (own.motor, own.lower, own.upper, own.drive) = (0.0, 0.0, 0.0, 0.0);
-            }
+        let Some((row, position)) = ends.pivot.free else {
+            let own = &mut state.impulses;
+            (own.motor, own.lower, own.upper, own.drive) = (0.0, 0.0, 0.0, 0.0);
+            return;
+        };
+        let armature = if joint.kind.is_ball() { 0.0 } else { drive.armature };
+        let mut axis = Axis::new(row, ends.pivot, self.gain());
+        self.act(joint, position, &mut axis, state, ends);
+        axis.take_along(armature);
+        if !self.biased {
+            let [speed, most] = drive.motor_at(position, self.h);
+            self.motor(&mut axis, speed, most, &mut state.impulses.motor, ends);
         }
-        if is_ball {
-            self.resist(drive, state, ends);
-            self.rub(drive, state, ends);
-        }
-        if let Some((axis, position)) = &mut free {
-            self.hold(joint, axis, *position, state, ends);
-            state.impulses.drive -= axis.taken();
-            if self.is_last() && drive.armature > 0.0 && !is_ball {
-                state.rotor.x += axis.row.inverse * axis.sum;
-            }
-        }
-        if let Some((row, angle)) = &ends.pivot.cone {
-            self.limit(&mut Axis::new(*row, 0.0), 1.0, drive.cone - angle, &mut state.impulses.cone, ends);
+        self.hold(joint, &mut axis, position, state, ends);
+        axis.settle(&mut state.impulses);
+        if self.is_last() {
+            state.rotor.x = if armature > 0.0 { ends.speed_of(&row) } else { state.rotor.x };
         }
     }
 
@@ -280,10 +279,10 @@ impl Visit {
         if drive.locked {
             let speed = ends.speed_of(&axis.row);
             let step = if self.biased {
-                -(self.soft.mass * speed + self.soft.rate * (position - drive.target)) / axis.row.inverse
+                -(self.soft.mass * speed + self.soft.rate * (position - drive.target)) / axis.give
                     - self.soft.impulse * own.locked
             } else {
-                -speed / axis.row.inverse
+                -speed / axis.give
             };
             own.locked += step;
             axis.apply(step, ends);
@@ -308,7 +307,7 @@ impl Visit {
             return;
         }
         let before = *kept;
-        *kept = within(before - (ends.speed_of(&axis.row) - speed) / axis.row.inverse, most, self.h);
+        *kept = within(before - (ends.speed_of(&axis.row) - speed) / axis.give, most, self.h);
         axis.apply(*kept - before, ends);
     }
 
@@ -318,7 +317,7 @@ impl Visit {
         if room == f32::INFINITY {
             return;
         }
-        let (speed, inverse) = (side * ends.speed_of(&axis.row), axis.row.inverse);
+        let (speed, inverse) = (side * ends.speed_of(&axis.row), axis.give);
         // A limit that is not reached in this substep.
         if before == 0.0 && room > 0.0 && (!self.biased || speed + room / self.h >= 0.0) {
             return;
@@ -331,36 +330,5 @@ impl Visit {
         };
         *kept = (before + step).max(0.0);
         axis.apply(side * (*kept - before), ends);
-    }
-}
-
-/// A row of a joint with the rotor that it takes along.
-struct Axis {
-    /// Its K is less by what the rotor resists.
-    row: Row,
-    /// The part of an impulse that the rotor takes.
-    share: f32,
-    /// Impulses of this visit.
-    sum: f32,
-}
-
-impl Axis {
-    fn new(row: Row, armature: f32) -> Self {
-        if armature == 0.0 {
-            return Self { row, share: 0.0, sum: 0.0 };
-        }
-        let taken = armature * row.inverse;
-        let (share, inverse) = (taken / (1.0 + taken), row.inverse / (1.0 + taken));
-        Self { row: Row { inverse, ..row }, share, sum: 0.0 }
-    }
-
-    fn apply(&mut self, impulse: f32, ends: &mut Ends<'_>) {
-        self.sum += impulse;
-        ends.apply(&self.row, impulse - self.share * impulse);
-    }
-
-    /// The impulse that the rotor took.
-    fn taken(&self) -> f32 {
-        self.share * self.sum
     }
 }

@@ -1,12 +1,8 @@
-// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/block.wgsl rigid/frame/drive.wgsl
-// requires rigid/frame/halt.wgsl rigid/frame/report.wgsl
+// requires rigid/frame/rows.wgsl rigid/frame/joint.wgsl rigid/frame/block.wgsl rigid/frame/axis.wgsl
+// requires rigid/frame/drive.wgsl rigid/frame/halt.wgsl rigid/frame/report.wgsl
 
 // The rows of joints (docs/physics section 11.14). A thread has a joint, and for this dispatch both of its bodies. In these stages the
 // two words of `call` are the first entry of a colour in `joint_order` and the end.
-
-// The part of an impulse along the free axis that a rotor takes, and the sum of these impulses in this visit.
-var<private> rotor_share: f32;
-var<private> pulled: f32;
 
 // Of a frequency times the substep, with the damping ratio 2.
 fn joint_softness(frequency: f32) -> JointSoftness {
@@ -17,108 +13,94 @@ fn joint_softness(frequency: f32) -> JointSoftness {
     return JointSoftness(gain, gain * turn / (first * frame.h), loss);
 }
 
-// An impulse along the free axis, of which a rotor takes its part.
-fn pull_axis(ends: ptr<function, Ends>, lever: Lever, impulse: f32) {
-    pulled += impulse;
-    pull_ends(ends, lever, impulse - rotor_share * impulse);
-}
-
-fn locked_row(ends: ptr<function, Ends>, lever: Lever, off: f32, old: f32, biased: bool) -> f32 {
-    let rate = rate_of(ends, lever);
-    var next = old - rate * lever.inverse;
+fn locked_row(joint: Joint, ends: ptr<function, Ends>, axis: ptr<function, Axis>, off: f32, old: f32, biased: bool) -> f32 {
+    let rate = rate_of(ends, (*axis).lever);
+    var next = old - rate / (*axis).give;
     if biased {
-        next = (1.0 - soft.loss) * old - (soft.gain * rate + soft.pull * off) * lever.inverse;
+        next = (1.0 - soft.loss) * old - (soft.gain * rate + soft.pull * off) / (*axis).give;
     }
-    pull_ends(ends, lever, next - old);
+    pull_axis(joint, ends, axis, next - old);
     return next;
 }
 
 // A row that holds a speed with at most this impulse.
-fn motor_row(ends: ptr<function, Ends>, lever: Lever, speed: f32, most: f32, old: f32) -> f32 {
-    let next = clamp(old - (rate_of(ends, lever) - speed) * lever.inverse, -most, most);
-    pull_axis(ends, lever, next - old);
+fn motor_row(joint: Joint, ends: ptr<function, Ends>, axis: ptr<function, Axis>, speed: f32, most: f32, old: f32) -> f32 {
+    let next = clamp(old - (rate_of(ends, (*axis).lever) - speed) / (*axis).give, -most, most);
+    pull_axis(joint, ends, axis, next - old);
     return next;
 }
 
-// The motor in reach of a limit: in a substep it goes no farther than to its limit, and there it does not push on.
-fn held_motor(ends: ptr<function, Ends>, position: f32, lever: Lever, flags: u32, limits: vec2f, drive: vec2f, old: f32) -> f32 {
+// The motor in reach of a limit: in a substep it goes no farther than to its limit, and there it does not push on. Its speed and
+// greatest force.
+fn motor_at(position: f32, flags: u32, limits: vec2f, drive: vec2f) -> vec2f {
     let reach = (limits - vec2f(position)) / frame.h;
-    var speed = drive.x;
-    var most = drive.y;
+    var motor = drive;
     if (flags & LOWER) != 0u && drive.x < 0.0 {
-        speed = max(drive.x, min(reach.x, 0.0));
-        most = select(most, 0.0, reach.x >= 0.0);
+        motor.x = max(drive.x, min(reach.x, 0.0));
+        motor.y = select(motor.y, 0.0, reach.x >= 0.0);
     }
     if (flags & UPPER) != 0u && drive.x > 0.0 {
-        speed = min(drive.x, max(reach.y, 0.0));
-        most = select(most, 0.0, reach.y <= 0.0);
+        motor.x = min(drive.x, max(reach.y, 0.0));
+        motor.y = select(motor.y, 0.0, reach.y <= 0.0);
     }
-    return motor_row(ends, lever, speed, most, old);
+    return motor;
 }
 
 // A row that keeps a gap open, which grows along the lever or, with the side -1, against it.
-fn limit_row(ends: ptr<function, Ends>, lever: Lever, side: f32, gap: f32, old: f32, biased: bool) -> f32 {
-    let rate = side * rate_of(ends, lever);
+fn limit_row(joint: Joint, ends: ptr<function, Ends>, axis: ptr<function, Axis>, side: f32, gap: f32, old: f32, biased: bool) -> f32 {
+    let rate = side * rate_of(ends, (*axis).lever);
     var next = old;
     if biased && gap > 0.0 {
-        next = old - (rate + gap / frame.h) * lever.inverse;
+        next = old - (rate + gap / frame.h) / (*axis).give;
     } else if biased {
-        next = (1.0 - soft.loss) * old - (soft.gain * rate + soft.pull * gap) * lever.inverse;
+        next = (1.0 - soft.loss) * old - (soft.gain * rate + soft.pull * gap) / (*axis).give;
     } else if gap <= 0.0 || old > 0.0 {
-        next = old - rate * lever.inverse;
+        next = old - rate / (*axis).give;
     }
     next = max(next, 0.0);
-    pull_axis(ends, lever, side * (next - old));
+    pull_axis(joint, ends, axis, side * (next - old));
     return next;
 }
 
-// The rows of the free axis. That of the locked distance comes later.
-fn solve_free(joint: Joint, ends: ptr<function, Ends>, axis: FreeAxis, own: ptr<function, Impulses>, biased: bool) {
-    let drive = joint_row(joint.number, 6u);
-    let limits = joint_row(joint.number, 5u).xy;
+// The rows of the free axis.
+fn solve_free(joint: Joint, ends: ptr<function, Ends>, own: ptr<function, Impulses>, biased: bool) {
     // A ball whose axes are almost opposite has no twist.
-    let has_row = !is_ball(joint.flags) || dot(joint.axes[0], joint.other) >= -0.9;
-    if has_row && (joint.flags & SPRUNG) != 0u {
-        drive_row(joint, ends, axis, own, biased);
-    }
-    let armature = select(joint_row(joint.number, 8u).z, 0.0, is_ball(joint.flags));
-    var lever = axis.lever;
-    lever.inverse += armature;
-    rotor_share = armature / lever.inverse;
-    pulled = 0.0;
-    if has_row && !biased && drive.w > 0.0 {
-        let motor = vec2f(drive.z, frame.h * drive.w);
-        (*own).motor = held_motor(ends, axis.position, lever, joint.flags, limits, motor, (*own).motor);
-    }
-    if is_ball(joint.flags) {
-        (*own).resistance = resist(joint, ends, (*own).resistance, biased);
-        if !biased {
-            (*own).angular = rub(joint, ends, (*own).angular);
-        }
-    }
-    if !has_row {
+    if is_ball(joint.flags) && dot(joint.axes[0], joint.other) < -0.9 {
         (*own).motor = 0.0;
         (*own).lower = 0.0;
         (*own).upper = 0.0;
         (*own).drive = 0.0;
         return;
     }
+    let free = free_axis(joint, ends);
+    var axis = axis_of(joint, ends, free, biased);
+    if (joint.flags & SPRUNG) != 0u {
+        drive_row(joint, ends, free.position, &axis, own, biased);
+    }
+    let armature = select(joint_row(joint.number, 8u).z, 0.0, is_ball(joint.flags));
+    take_along(&axis, armature);
+    let drive = joint_row(joint.number, 6u);
+    let limits = joint_row(joint.number, 5u).xy;
+    if !biased && drive.w > 0.0 {
+        let motor = motor_at(free.position, joint.flags, limits, drive.zw);
+        (*own).motor = motor_row(joint, ends, &axis, motor.x, frame.h * motor.y, (*own).motor);
+    }
     let friction = joint_row(joint.number, 7u).x;
     if !biased && friction > 0.0 && !is_ball(joint.flags) {
-        (*own).friction = motor_row(ends, lever, 0.0, frame.h * friction, (*own).friction);
+        (*own).friction = motor_row(joint, ends, &axis, 0.0, frame.h * friction, (*own).friction);
     }
     if (joint.flags & LOWER) != 0u {
-        (*own).lower = limit_row(ends, lever, 1.0, axis.position - limits.x, (*own).lower, biased);
+        (*own).lower = limit_row(joint, ends, &axis, 1.0, free.position - limits.x, (*own).lower, biased);
     }
     if (joint.flags & UPPER) != 0u {
-        (*own).upper = limit_row(ends, lever, -1.0, limits.y - axis.position, (*own).upper, biased);
+        (*own).upper = limit_row(joint, ends, &axis, -1.0, limits.y - free.position, (*own).upper, biased);
     }
-    if armature > 0.0 {
-        (*own).drive -= rotor_share * pulled;
-        if is_last_visit(biased) {
-            joint_states[JOINT_STATE_ROWS * joint.number + 6u].x += pulled / lever.inverse;
-        }
-        rotor_share = 0.0;
+    if (joint.flags & LOCKED) != 0u {
+        (*own).locked = locked_row(joint, ends, &axis, beyond_target(joint, free.position), (*own).locked, biased);
+    }
+    settle_axis(joint, axis, own);
+    if armature > 0.0 && is_last_visit(biased) {
+        joint_states[JOINT_STATE_ROWS * joint.number + 6u].x = rate_of(ends, axis.lever);
     }
 }
 
@@ -129,9 +111,11 @@ fn solve_cone(joint: Joint, ends: ptr<function, Ends>, old: f32, biased: bool) -
         return old;
     }
     let gap = joint_row(joint.number, 0u).w - arc_of(length(across), dot(joint.axes[0], joint.other));
-    return limit_row(ends, lever_of(joint, ends, direction, false), 1.0, gap, old, biased);
+    var axis = axis_alone(lever_of(joint, ends, direction, false));
+    return limit_row(joint, ends, &axis, 1.0, gap, old, biased);
 }
 
+// Rows that no block answers come before the blocks, and those that a block answers after them.
 fn solve_joint(number: u32, biased: bool, is_first: bool) {
     if is_broken(number) {
         return;
@@ -141,22 +125,23 @@ fn solve_joint(number: u32, biased: bool, is_first: bool) {
     let joint = joint_at(number);
     var ends = ends_of(joint);
     var own = impulses_of(number);
-    var axis: FreeAxis;
-    if (joint.flags & DRIVEN) != 0u {
-        axis = free_axis(joint, &ends);
-        solve_free(joint, &ends, axis, &own, biased);
+    if is_ball(joint.flags) {
+        own.resistance = resist(joint, &ends, own.resistance, biased);
+        if !biased {
+            own.angular = rub(joint, &ends, own.angular);
+        }
     }
     if (joint.flags & CONE) != 0u {
         own.cone = solve_cone(joint, &ends, own.cone, biased);
-    }
-    if (joint.flags & LOCKED) != 0u {
-        own.locked = locked_row(&ends, axis.lever, beyond_target(joint, axis.position), own.locked, biased);
     }
     if ((joint.flags >> ANGULAR) & 7u) != 0u {
         own.angular = angular_block(joint, &ends, own.angular, biased);
     }
     if (joint.flags & 7u) != 0u {
         own.linear = linear_block(joint, &ends, own.linear, biased);
+    }
+    if (joint.flags & DRIVEN) != 0u {
+        solve_free(joint, &ends, &own, biased);
     }
     put_ends(joint, &ends);
     put_impulses(number, own);

@@ -86,6 +86,7 @@ const PARTS: &[Part] = parts!(
     "rigid/frame/belt.wgsl"
     "rigid/frame/joint.wgsl"
     "rigid/frame/block.wgsl"
+    "rigid/frame/axis.wgsl"
     "rigid/frame/drive.wgsl"
     "rigid/frame/tensor.wgsl"
     "rigid/frame/joints.wgsl"

@@ -2,7 +2,8 @@
 
 use glam::{Mat3A, Vec3, Vec3A};
 
-use super::pivot::{Answer, Row, inverse, reduced};
+use super::axis::Axis;
+use super::pivot::{inverse, reduced};
 use super::{Ends, Visit};
 use crate::rigid::joints::{Drive, Free, Joint, JointState, within};
 
@@ -10,23 +11,9 @@ use crate::rigid::joints::{Drive, Free, Joint, JointState, within};
 const SYMPLECTIC: f32 = 0.25;
 const DAMPED: f32 = 6.0;
 const STIFFEST: f32 = 2.0;
-/// The least part of K that a block leaves.
-const LEAST: f32 = 1e-5;
-
-/// How a block answers a drive, along the axes of the joint.
-#[derive(Default)]
-struct Coupling {
-    /// The rate of the block that an impulse of 1 of the drive gives, and the rate of the drive that one of the block gives.
-    across: Vec3A,
-    /// The impulse of the block that follows an impulse of 1 of the drive.
-    answer: Vec3A,
-    /// The impulse of the block that follows in any case.
-    expected: Vec3A,
-}
-
 impl Visit {
     /// The drive along the free axis.
-    pub(super) fn act(&self, joint: &Joint, position: f32, state: &mut JointState, ends: &mut Ends<'_>) {
+    pub(super) fn act(&self, joint: &Joint, position: f32, axis: &mut Axis, state: &mut JointState, ends: &mut Ends<'_>) {
         if joint.drive.locked || !joint.drive.acts() {
             return;
         }
@@ -34,38 +21,9 @@ impl Visit {
             let off = position - joint.drive.target;
             state.off = if joint.kind.free == Free::Turn { reduced(off, 0.0) } else { off };
         }
-        let Some((row, _)) = ends.pivot.free else { return };
-        let Coupling { across, answer, expected } = self.coupling(&row, state, ends);
-        // K with a hard block is positive, whatever its rounding.
-        let hard = (row.inverse + across.dot(answer) / self.gain()).max(LEAST * row.inverse);
-        let give = (row.inverse + across.dot(answer)).max(hard);
-        let speed = ends.speed_of(&row) + across.dot(expected);
-        let step = self.change(joint, state, [give, hard], speed);
+        let step = self.change(joint, state, [axis.give, axis.hard], ends.speed_of(&axis.row));
         state.impulses.drive += step;
-        if self.is_last() && !joint.kind.is_ball() {
-            state.rotor.x = speed + give * step;
-        }
-        ends.apply(&row, step);
-        let (axes, answer) = (ends.pivot.axes, step * answer);
-        if row.angular {
-            state.impulses.linear += Vec3::from(answer);
-            ends.push(axes * answer);
-        } else {
-            state.impulses.angular += Vec3::from(answer);
-            ends.turn(axes * answer);
-        }
-    }
-
-    /// The block that answers the drive: the linear one of a turn, the angular one of a slide.
-    fn coupling(&self, row: &Row, state: &JointState, ends: &Ends<'_>) -> Coupling {
-        let pivot = ends.pivot;
-        let (block, rate, before) = match row.angular {
-            true => (&pivot.linear, ends.speed(), state.impulses.linear),
-            false => (&pivot.angular, ends.rate(), state.impulses.angular),
-        };
-        let (Some(block), Some(Answer { across, against })) = (block, &pivot.answer) else { return Coupling::default() };
-        let answer = -self.gain() * block.scale * *against;
-        Coupling { across: *across, answer, expected: self.step(block, pivot.axes.transpose() * rate, before.into()) }
+        axis.apply(step, ends);
     }
 
     /// The change of the impulse of a row at this speed, with its K and that of a hard block.

@@ -84,9 +84,7 @@ impl Pivot {
             };
             Block::new(pivot.turning(), kind.angular, &pivot.axes, off)
         });
-        if drive.acts() && !drive.locked {
-            pivot.answer = pivot.free.and_then(|(row, _)| pivot.answer_to(&row, kind));
-        }
+        pivot.answer = pivot.free.and_then(|(row, _)| pivot.answer_to(&row, kind));
         pivot
     }
 

@@ -119,7 +119,8 @@ const MISTAKES: &[[&str; 2]] = &[
     ["let k = straight + (dot(turn_a, response_a) + dot(turn_b, response_b));", "let k = straight + dot(turn_a, response_a);"],
     ["joint.apart * joint.axes, old, biased)", "vec3f(0.0), old, biased)"],
     ["let kept = armature * joint_states[at + 6u].x - old;", "let kept = -old;"],
-    ["rotor_share = armature / lever.inverse;", "rotor_share = 0.0;"],
+    ["(*axis).share = taken / (1.0 + taken);", "(*axis).share = 0.0;"],
+    ["axis.answer = gain * against;", "axis.answer = vec3f(0.0);"],
     ["let push = h * axis.x - ", "let push = -"],
     ["let there = select(2u * call.biased - 1u - step, step, is_first);", "let there = step % call.biased;"],
 ];
