@@ -85,7 +85,7 @@ fn compare(gpu: &Arc<RigidGpu>, frames: usize) -> Apart {
 impl Apart {
     fn is_close(&self) -> bool {
         let [place, speed, load] = self.most;
-        place < 2e-4 && speed < 2e-2 && load < 3e-2 && self.unequal.is_none()
+        place < 2e-4 && speed < 2e-2 && load < 5e-2 && self.unequal.is_none()
     }
 }
 
