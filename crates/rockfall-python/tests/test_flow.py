@@ -53,6 +53,28 @@ def test_calls_and_checkpoints_do_not_matter(tmp_path: Path) -> None:
     np.testing.assert_array_equal(whole.positions, parts.positions)
 
 
+def test_mixtures() -> None:
+    scene = rf.Scene()
+    glass = scene.add_material("glass", density=2500)
+    kinds = [
+        (rf.GrainKind("fine", radius=(0.05, 0.06), by="mass", material=glass, label="fine"), 1),
+        (rf.GrainKind("coarse", radius=0.2, density=1000, label="coarse"), 3),
+    ]
+    scene.add_inlet("feed", (0, 0, 0), (9, 3, 9), mass_rate=40_000, mix=kinds, by="mass")
+    sim = rf.Simulation(scene, dt=DT, backend="cpu")
+    sim.run(64)
+    masses, radii = sim.masses, sim.radii
+    coarse = masses[radii > 0.1].sum() / masses.sum()
+    assert len(masses) > 1000 and abs(coarse - 0.75) < 0.03, coarse
+    assert "mix=fine:1,coarse:3 by=mass" in scene.to_text()
+    with pytest.raises(TypeError, match="mix: expected no shape"):
+        scene.add_inlet("a", (0, 0, 0), (1, 1, 1), rate=1, radius=0.1, mix=kinds)
+    with pytest.raises(ValueError, match="a name for each kind"):
+        scene.add_inlet("a", (0, 0, 0), (1, 1, 1), rate=1, mix=2 * kinds)
+    with pytest.raises(TypeError, match="shape, radius: expected one of them, got none"):
+        scene.add_inlet("a", (0, 0, 0), (1, 1, 1), rate=1, mix=[(rf.GrainKind("a"), 1)])
+
+
 def test_radii() -> None:
     scene = rf.Scene()
     for name, radius in [("one", 0.1), ("range", (0.1, 0.2)), ("normal", "lognormal:0.1,0.2")]:

@@ -117,11 +117,11 @@ pub use profile::{BufferSize, Clock, Profile, StageTime};
 pub use report::{Energy, Passage, Report, SphereState, decimal_time, short_number};
 pub use scene::{
     Anchor, Body, BoxId, Capsule, CapsuleId, CapsuleParts, CohesionModel, Colour, ConeAxis, Counts, Cuboid, Facets, Gauge,
-    Gauged, GrainMass, Inlet, Joint, JointFrame, JointId, JointKind, LineWarning, Loaded, Look, MassProperties, Material,
-    MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii, Rate,
-    RigidBody, RigidBodyId, Rod, RodId, RollingModel, RunDefaults, Scene, Sensor, Servo, Shape, ShapeBox, ShapeHull, ShapeId,
-    ShapeMass, ShapeRod, ShapeSphere, Shear, SizedBy, Sought, Sphere, SphereId, Spring, SpringId, Surface, Tag, Tether,
-    TetherId,
+    Gauged, GrainKind, GrainMass, Inlet, Joint, JointFrame, JointId, JointKind, LineWarning, Loaded, Look, MassProperties,
+    Material, MaterialId, Motion, MotionId, MotionTerm, Muscle, ObjectId, Outlet, Pair, Placement, Polygon, PolygonId, Radii,
+    Rate, RigidBody, RigidBodyId, Rod, RodId, RollingModel, RunDefaults, Scene, Sensor, Servo, Shape, ShapeBox, ShapeHull,
+    ShapeId, ShapeMass, ShapeRod, ShapeSphere, Shear, SizedBy, Sought, Sphere, SphereId, Spring, SpringId, Surface, Tag,
+    Tether, TetherId,
 };
 pub use settings::{BroadPhase, ContactLaw, Integrator, IntegratorChoice, Precision, Settings};
 pub use simulation::{

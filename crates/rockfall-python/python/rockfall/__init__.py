@@ -30,7 +30,7 @@ from rockfall._device import DeviceArray
 from rockfall._evolve import Creature, Evolution, evolve
 from rockfall._fields import Fields
 from rockfall._film import Film, film
-from rockfall._flow import Flow, Inflow, Outflow
+from rockfall._flow import Flow, GrainKind, Inflow, Outflow
 from rockfall._info import devices, info
 from rockfall._joints import JointStates
 from rockfall._laws import ForceLaw
@@ -79,6 +79,7 @@ __all__ = [
     "Flow",
     "ForceLaw",
     "Frame",
+    "GrainKind",
     "Impact",
     "Inflow",
     "JointStates",

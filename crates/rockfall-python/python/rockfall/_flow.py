@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -14,6 +15,34 @@ from rockfall._rigid import shape_number
 from rockfall.typing import LookName
 
 _ZERO = (0.0, 0.0, 0.0)
+
+
+class GrainKind(NamedTuple):
+    """Spheres of one kind, or rigid bodies of a shape, in the mixture of an inlet: ``mix`` of :meth:`Scene.add_inlet`. Values have the
+    meaning that they have there."""
+
+    #: Name of a kind of spheres, which no other kind of the mixture has.
+    name: str = ""
+    #: Number of the shape of the bodies.
+    shape: int | None = None
+    #: Without a shape: the radius in units, the two ends of a range, or ``"lognormal:median,sigma"``.
+    radius: float | tuple[float, float] | str | None = None
+    #: What the distribution of radii counts: ``"number"`` or ``"mass"``.
+    by: str = "number"
+    #: Mass of a sphere.
+    mass: float | None = None
+    #: Density in mass/units³.
+    density: float | None = None
+    #: Collision group from 0 to 65535.
+    group: int = 0
+    #: Material, by number or by name.
+    material: int | str | None = None
+    #: Colour of the spheres.
+    colour: str | None = None
+    #: Label of the spheres.
+    label: str | None = None
+    #: Look of the spheres.
+    look: LookName | None = None
 
 
 class Inflow(NamedTuple):
@@ -97,6 +126,7 @@ class Flows(Bodies):
         colour: str | None = None,
         label: str | None = None,
         look: LookName | None = None,
+        mix: Iterable[tuple[GrainKind, float]] | None = None,
     ) -> None:
         """Add a box in which spheres, or rigid bodies of a shape, appear while a simulation runs. What is said of spheres below is also
         said of bodies.
@@ -117,7 +147,7 @@ class Flows(Bodies):
         radius : float, pair of floats or str
             Without a shape: the radius in units, the two ends of a range, or ``"lognormal:median,sigma"``.
         by : {"number", "mass"}
-            What the distribution of radii counts.
+            What the distribution of radii counts, or the shares of a mixture.
         mass, density : float, optional
             Mass of a sphere, or its density in mass/units³. By default that of the material, else a mass of 1.
         velocity : array_like, shape (3,)
@@ -136,13 +166,17 @@ class Flows(Bodies):
             Material, by number or by name. See :meth:`add_material`.
         colour, label, look : str, optional
             Colour, label and look of the spheres. See :meth:`set_tag`.
+        mix : iterable of (GrainKind, float), optional
+            In place of a shape or a radius: kinds with their shares. Shares of 1 and 3 are a quarter and three quarters, of the
+            spheres or, with ``by="mass"``, of the mass. Size, mass, material, group and tag are those of each kind.
 
         Raises
         ------
         ValueError
-            For numbers out of range, a box that is too small for the largest sphere, and a name that is in use.
+            For numbers out of range, a mixture with kinds of the same name, a box that is too small for the largest sphere, and a name that is in use.
         TypeError
-            For a shape together with a radius, mass or density, and for neither a shape nor a radius.
+            For a shape together with a radius, mass or density, for none of a shape, a radius and a mixture, and for a mixture
+            together with values that its kinds have.
         LookupError
             For a shape or a material that does not exist.
         """
@@ -150,31 +184,48 @@ class Flows(Bodies):
         given = [(key, float(value)) for key, value in rates.items() if value is not None]
         if len(given) != 1:
             raise TypeError(f"rate, mass_rate, volume_rate: expected one of them, got {len(given)}")
+        own = GrainKind("", shape, radius, by, mass, density, group, material, colour, label, look)
+        if mix is None:
+            kinds = [(own, 1.0)]
+        elif own == GrainKind(by=by):
+            kinds = list(mix)
+        else:
+            raise TypeError("mix: expected no shape, radius, mass, density, group, material, colour, label and look beside it")
+        corners = _corners(low, high)
+        feed = {
+            "rate": given[0],
+            "shares": by if mix is not None else "number",
+            "velocity": [float(number) for number in np.asarray(velocity, np.float64)],
+            "times": (float(start), float(end)),
+            "limit": limit,
+            "seed": seed,
+            "every": every,
+        }
+        grains = [self._grains(kind, share) for kind, share in kinds]
+        self._edited()
+        _rockfall.add_inlet(self._native, name, corners, feed, grains)
+
+    def _grains(self, kind: GrainKind, share: float) -> dict[str, object]:
+        """Check a kind and give its values as the native module takes them."""
+        shape, radius, mass, density = kind.shape, kind.radius, kind.mass, kind.density
         if mass is not None and density is not None:
             raise TypeError("mass, density: expected at most one of them")
         if (shape is None) == (radius is None):
             raise TypeError(f"shape, radius: expected one of them, got {'none' if shape is None else 'both'}")
         if shape is not None and (mass is not None or density is not None):
             raise TypeError("mass, density: expected none with a shape, which has its own mass")
-        corners = _corners(low, high)
-        spheres = {
-            "rate": given[0],
+        return {
+            "share": float(share),
+            "name": kind.name,
             "shape": None if shape is None else shape_number(shape),
             "radius": None if radius is None else _radius(radius),
-            "by": by,
+            "by": kind.by,
             "mass": None if mass is None else float(mass),
             "density": None if density is None else float(density),
-            "velocity": [float(number) for number in np.asarray(velocity, np.float64)],
-            "times": (float(start), float(end)),
-            "limit": limit,
-            "seed": seed,
-            "every": every,
-            "group": group,
-            "material": int(self._material_numbers("material", material)),
-            "tag": tag_of(None, colour, label, look),
+            "group": kind.group,
+            "material": int(self._material_numbers("material", kind.material)),
+            "tag": tag_of(None, kind.colour, kind.label, kind.look),
         }
-        self._edited()
-        _rockfall.add_inlet(self._native, name, corners, spheres)
 
     def add_outlet(self, name: str, low: npt.ArrayLike, high: npt.ArrayLike, *, every: int | None = None) -> None:
         """Add a box in which spheres disappear, with their rods, springs and tethers. A capsule disappears when its middle enters.

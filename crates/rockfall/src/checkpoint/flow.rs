@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::Checkpoint;
 use super::tags;
 use super::words::{Damage, Head, Words};
-use crate::scene::{FlowState, GrainMass, Inlet, InletState, Outlet, Passed, Radii, Rate, Scene, ShapeId, Sum};
+use crate::scene::{FlowState, GrainKind, GrainMass, Inlet, InletState, Outlet, Passed, Radii, Rate, Scene, ShapeId, Sum};
 
 pub(super) fn bytes(checkpoint: &Checkpoint) -> Vec<u8> {
     let Checkpoint { scene, flow, .. } = checkpoint;
@@ -70,28 +70,8 @@ pub(super) fn put(given: &[u8], scene: &mut Scene) -> Result<FlowState, Damage> 
 }
 
 fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
-    let Inlet {
-        name,
-        corners,
-        rate,
-        shape,
-        radii,
-        by,
-        mass,
-        velocity,
-        from,
-        to,
-        limit,
-        seed,
-        every,
-        after,
-        material,
-        group,
-        tag,
-    } = inlet;
+    let Inlet { name, corners, rate, kinds, shares, velocity, from, to, limit, seed, every, after } = inlet;
     head.text(name);
-    // Counted from 1, 0 for spheres.
-    head.u32(shape.map_or(0, |shape| scene.shapes.index(shape).map_or(0, |index| index as u32 + 1)));
     put_corners(head, corners);
     let (kind, rate) = match *rate {
         Rate::Number(rate) => (0, rate),
@@ -100,6 +80,26 @@ fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
     };
     head.u32(kind);
     head.f64(rate);
+    head.text(&shares.to_string());
+    head.u32(kinds.len() as u32);
+    for (kind, share) in kinds {
+        head.f64(*share);
+        put_kind(head, scene, kind);
+    }
+    velocity.to_array().into_iter().for_each(|number| head.f32(number));
+    head.f64(*from);
+    head.f64(*to);
+    put_number(head, *limit);
+    head.u64(*seed);
+    put_number(head, *every);
+    head.u64(*after);
+}
+
+fn put_kind(head: &mut Head, scene: &Scene, kind: &GrainKind) {
+    let GrainKind { name, shape, radii, by, mass, material, group, tag, .. } = kind;
+    head.text(name);
+    // Counted from 1, 0 for spheres.
+    head.u32(shape.map_or(0, |shape| scene.shapes.index(shape).map_or(0, |index| index as u32 + 1)));
     let (kind, numbers) = match *radii {
         Radii::Equal(radius) => (0, [radius, 0.0]),
         Radii::Uniform(from, to) => (1, [from, to]),
@@ -115,13 +115,6 @@ fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
     };
     head.u32(kind);
     head.f64(mass);
-    velocity.to_array().into_iter().for_each(|number| head.f32(number));
-    head.f64(*from);
-    head.f64(*to);
-    put_number(head, *limit);
-    head.u64(*seed);
-    put_number(head, *every);
-    head.u64(*after);
     // A material that was removed is none.
     head.u32(scene.material_number(*material).unwrap_or(0).into());
     head.u32(u32::from(*group));
@@ -129,43 +122,55 @@ fn put_inlet(head: &mut Head, scene: &Scene, inlet: &Inlet) {
 }
 
 fn read_inlet(words: &mut Words, scene: &Scene) -> Result<Inlet, Damage> {
-    let (name, shape, corners) = (words.text()?, read_shape(words, scene)?, read_corners(words)?);
+    let (name, corners) = (words.text()?, read_corners(words)?);
     let rate = match (words.u32()?, words.f64()?) {
         (0, rate) => Rate::Number(rate),
         (1, rate) => Rate::Mass(rate),
         (2, rate) => Rate::Volume(rate),
         (kind, _) => return Err(Damage::new(format!("an inlet has a rate of kind {kind}, expected 0 to 2"))),
     };
-    let radii = match (words.u32()?, words.f64()?, words.f64()?) {
-        (0, radius, rest) if rest.to_bits() == 0 => Radii::Equal(radius),
-        (1, from, to) => Radii::Uniform(from, to),
-        (2, median, sigma) => Radii::LogNormal { median, sigma },
-        (kind, ..) => return Err(Damage::new(format!("an inlet has radii of kind {kind} that cannot be read"))),
-    };
-    let by = words.text()?.parse()?;
-    let mut inlet = Inlet::new(name, corners.map(|corner| corner.to_array()), rate, 1.0).radii(radii, by);
-    inlet.shape = shape;
-    inlet.mass = match (words.u32()?, words.f64()?) {
-        (0, rest) if rest.to_bits() == 0 => GrainMass::OfMaterial,
-        (1, mass) => GrainMass::Mass(mass),
-        (2, density) => GrainMass::Density(density),
-        (kind, _) => return Err(Damage::new(format!("an inlet has a mass of kind {kind} that cannot be read"))),
-    };
+    let shares = words.text()?.parse()?;
+    let count = words.u32()?;
+    let kinds = (0..count).map(|_| {
+        let share = words.f64()?;
+        Ok((read_kind(words, scene)?, share))
+    });
+    let kinds = kinds.collect::<Result<Vec<_>, Damage>>()?;
+    let mut inlet = Inlet::new(name, corners.map(|corner| corner.to_array()), rate, 1.0).mix(kinds, shares);
     inlet.velocity = words.vec3()?;
     (inlet.from, inlet.to) = (words.f64()?, words.f64()?);
     inlet.limit = read_number(words)?;
     inlet.seed = words.u64()?;
     inlet.every = read_number(words)?;
     inlet.after = words.u64()?;
+    Ok(inlet)
+}
+
+fn read_kind(words: &mut Words, scene: &Scene) -> Result<GrainKind, Damage> {
+    let mut kind = GrainKind::spheres(1.0).name(words.text()?);
+    kind.shape = read_shape(words, scene)?;
+    kind.radii = match (words.u32()?, words.f64()?, words.f64()?) {
+        (0, radius, rest) if rest.to_bits() == 0 => Radii::Equal(radius),
+        (1, from, to) => Radii::Uniform(from, to),
+        (2, median, sigma) => Radii::LogNormal { median, sigma },
+        (kind, ..) => return Err(Damage::new(format!("an inlet has radii of kind {kind} that cannot be read"))),
+    };
+    kind.by = words.text()?.parse()?;
+    kind.mass = match (words.u32()?, words.f64()?) {
+        (0, rest) if rest.to_bits() == 0 => GrainMass::OfMaterial,
+        (1, mass) => GrainMass::Mass(mass),
+        (2, density) => GrainMass::Density(density),
+        (kind, _) => return Err(Damage::new(format!("an inlet has a mass of kind {kind} that cannot be read"))),
+    };
     let material = words.u32()?;
     if material as usize > scene.materials().len() {
         return Err(Damage::new(format!("an inlet has the material {material} of {}", scene.materials().len())));
     }
-    inlet.material = scene.material_of_number(material as u16);
+    kind.material = scene.material_of_number(material as u16);
     let group = words.u32()?;
-    inlet.group = group.try_into().map_err(|_| Damage::new(format!("an inlet has the group {group}")))?;
-    inlet.tag = tags::read(words)?;
-    Ok(inlet)
+    kind.group = group.try_into().map_err(|_| Damage::new(format!("an inlet has the group {group}")))?;
+    kind.tag = tags::read(words)?;
+    Ok(kind)
 }
 
 fn read_shape(words: &mut Words, scene: &Scene) -> Result<Option<ShapeId>, Damage> {

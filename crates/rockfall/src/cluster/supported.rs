@@ -18,7 +18,7 @@ pub(super) fn check(simulation: &Simulation, state: &Checkpoint) -> Result<()> {
         (counts.springs > 0, "a scene with springs"),
         (counts.tethers > 0, "a scene with tethers"),
         (scene.motions().iter().any(|motion| motion.servo.is_some()), "a scene with servos"),
-        (scene.inlets().iter().any(|inlet| inlet.shape.is_some()), "a scene with inlets of rigid bodies"),
+        (scene.inlets().iter().any(|inlet| inlet.shapes().next().is_some()), "a scene with inlets of rigid bodies"),
         (scene.settings.collisions, "a scene with impulses of collisions (without: set collisions off)"),
         (simulation.has_friction_impulses(), "a scene with impulses of friction (without: set coulomb_friction 0)"),
         (simulation.integrator() == Integrator::Rk4, "the integrator rk4"),

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Body, CohesionModel, Material, RigidBody, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Inlet, Material, RigidBody, RollingModel, Scene};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
@@ -119,7 +119,7 @@ impl Scene {
         if law == ContactLaw::Rigid {
             return Ok(());
         }
-        let placed = self.bodies().iter().map(|body| body.shape).chain(self.inlets().iter().filter_map(|inlet| inlet.shape));
+        let placed = self.bodies().iter().map(|body| body.shape).chain(self.inlets().iter().flat_map(Inlet::shapes));
         for id in placed {
             let shape = self.shapes.get(id)?;
             let (with, expected) = match law {

@@ -1,7 +1,6 @@
 //! Inlets, which insert spheres or rigid bodies while a simulation runs, and outlets, which remove them (docs/physics section 2.15).
 
 use std::fmt;
-use std::str::FromStr;
 
 use glam::{DVec3, Vec3};
 
@@ -10,9 +9,12 @@ use super::{MaterialId, Placement, Scene, ShapeId, Sphere, Tag};
 use crate::error::{Error, Result, quoted};
 
 mod grains;
+mod kind;
 mod state;
 mod sum;
 
+pub(crate) use grains::Sequence;
+pub use kind::{GrainKind, GrainMass, Radii, SizedBy};
 pub(crate) use state::{FlowState, InletState, Passed};
 pub(crate) use sum::Sum;
 
@@ -29,15 +31,10 @@ pub struct Inlet {
     pub corners: [DVec3; 2],
     /// How many spheres, how much mass or how much volume come in.
     pub rate: Rate,
-    /// Shape of the rigid bodies that appear, in random orientations; `None` for spheres.
-    pub shape: Option<ShapeId>,
-    /// The radii of the spheres, in units. For rigid bodies, [`Scene::add_inlet`] sets the radius of the sphere about the centre of mass
-    /// that encloses the shape.
-    pub radii: Radii,
-    /// What the distribution of radii counts.
-    pub by: SizedBy,
-    /// Mass of a sphere. For rigid bodies, [`Scene::add_inlet`] sets that of the shape.
-    pub mass: GrainMass,
+    /// What comes in: one kind, or the kinds of a mixture with their shares, greater than 0.
+    pub kinds: Vec<(GrainKind, f64)>,
+    /// What the shares of a mixture count.
+    pub shares: SizedBy,
     /// Velocity of a sphere that appears, in units/s.
     pub velocity: Vec3,
     /// Time in s from which on spheres come in.
@@ -53,12 +50,6 @@ pub struct Inlet {
     pub every: Option<u64>,
     /// Number of spheres that came in before the simulation began. The sequence of spheres goes on after them.
     pub after: u64,
-    /// Material of the spheres. Parts of a shape have their own.
-    pub material: Option<MaterialId>,
-    /// Collision group of the spheres. Parts of a shape have their own.
-    pub group: u16,
-    /// Name, colour, look and label of the spheres.
-    pub tag: Tag,
 }
 
 /// How fast an [`Inlet`] lets spheres in. Rates are not negative.
@@ -71,48 +62,6 @@ pub enum Rate {
     Mass(f64),
     /// Volume of the spheres per second, in units³/s.
     Volume(f64),
-}
-
-/// The radii of the spheres of an [`Inlet`], in units. As text: `0.1`, `0.1..0.2`, `lognormal:0.1,0.3`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum Radii {
-    /// All spheres have the same radius.
-    Equal(f64),
-    /// Every radius between the two is as likely as any other.
-    Uniform(f64, f64),
-    /// The logarithm of the radius has a normal distribution with this standard deviation about the logarithm of the median. Radii
-    /// beyond four standard deviations are left out.
-    LogNormal {
-        /// Median.
-        median: f64,
-        /// Standard deviation of the natural logarithm.
-        sigma: f64,
-    },
-}
-
-/// What a distribution of radii counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SizedBy {
-    /// Spheres.
-    #[default]
-    Number,
-    /// Their mass.
-    Mass,
-}
-
-/// The mass of a sphere of an [`Inlet`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[non_exhaustive]
-pub enum GrainMass {
-    /// That of the density of the material; 1 without one.
-    #[default]
-    OfMaterial,
-    /// The same for all spheres.
-    Mass(f64),
-    /// A density in mass/units³.
-    Density(f64),
 }
 
 /// A box in which spheres disappear, with all that is attached to them.
@@ -128,16 +77,19 @@ pub struct Outlet {
 }
 
 impl Inlet {
-    /// Creates an inlet between two opposite corners of a box in units, with its rate. The radius is in units.
+    /// Creates an inlet of spheres between two opposite corners of a box in units, with its rate. The radius is in units.
     pub fn new(name: impl Into<String>, corners: [[f64; 3]; 2], rate: Rate, radius: f64) -> Self {
+        Self::of(name, corners, rate, GrainKind::spheres(radius))
+    }
+
+    /// Creates an inlet of one kind between two opposite corners of a box in units, with its rate.
+    pub fn of(name: impl Into<String>, corners: [[f64; 3]; 2], rate: Rate, kind: GrainKind) -> Self {
         Self {
             name: name.into(),
             corners: corners.map(DVec3::from_array),
             rate,
-            shape: None,
-            radii: Radii::Equal(radius),
-            by: SizedBy::Number,
-            mass: GrainMass::OfMaterial,
+            kinds: vec![(kind, 1.0)],
+            shares: SizedBy::Number,
             velocity: Vec3::ZERO,
             from: 0.0,
             to: f64::INFINITY,
@@ -145,33 +97,64 @@ impl Inlet {
             seed: 0,
             every: None,
             after: 0,
-            material: None,
-            group: 0,
-            tag: Tag::default(),
         }
     }
 
     /// Creates an inlet of rigid bodies between two opposite corners of a box in units, with its rate.
     pub fn of_bodies(name: impl Into<String>, corners: [[f64; 3]; 2], rate: Rate, shape: ShapeId) -> Self {
-        Self { shape: Some(shape), ..Self::new(name, corners, rate, 0.0) }
+        Self::of(name, corners, rate, GrainKind::bodies(shape))
     }
 
-    /// Sets the distribution of the radii, and what it counts.
-    pub fn radii(mut self, radii: Radii, by: SizedBy) -> Self {
-        (self.radii, self.by) = (radii, by);
+    /// Lets in a mixture: kinds with their shares, and what the shares count. Shares of 1 and 3 are a quarter and three quarters.
+    pub fn mix(mut self, kinds: impl IntoIterator<Item = (GrainKind, f64)>, shares: SizedBy) -> Self {
+        (self.kinds, self.shares) = (kinds.into_iter().collect(), shares);
         self
+    }
+
+    fn each(mut self, change: impl Fn(GrainKind) -> GrainKind) -> Self {
+        self.kinds = self.kinds.into_iter().map(|(kind, share)| (change(kind), share)).collect();
+        self
+    }
+
+    /// Sets the distribution of the radii of all kinds, and what it counts.
+    pub fn radii(self, radii: Radii, by: SizedBy) -> Self {
+        self.each(|kind| kind.radii(radii, by))
     }
 
     /// Gives all spheres the same mass.
-    pub fn mass(mut self, mass: f64) -> Self {
-        self.mass = GrainMass::Mass(mass);
-        self
+    pub fn mass(self, mass: f64) -> Self {
+        self.each(|kind| kind.mass(mass))
     }
 
-    /// Sets the density of the spheres, in mass/units³.
-    pub fn density(mut self, density: f64) -> Self {
-        self.mass = GrainMass::Density(density);
-        self
+    /// Sets the density of all spheres, in mass/units³.
+    pub fn density(self, density: f64) -> Self {
+        self.each(|kind| kind.density(density))
+    }
+
+    /// Sets the material of all spheres.
+    pub fn material(self, material: MaterialId) -> Self {
+        self.each(|kind| kind.material(material))
+    }
+
+    /// Sets the collision group of all spheres.
+    pub fn group(self, group: u16) -> Self {
+        self.each(|kind| kind.group(group))
+    }
+
+    /// Sets the name, colour, look and label of all spheres.
+    pub fn tag(self, tag: Tag) -> Self {
+        self.each(|kind| kind.tag(tag.clone()))
+    }
+
+    /// The shapes of the rigid bodies that come in.
+    pub(crate) fn shapes(&self) -> impl Iterator<Item = ShapeId> {
+        self.kinds.iter().filter_map(|(kind, _)| kind.shape)
+    }
+
+    /// The smallest and the largest radius of what comes in, in units.
+    pub(crate) fn bounds(&self) -> (f64, f64) {
+        let bounds = self.kinds.iter().map(|(kind, _)| kind.radii.bounds(kind.by));
+        bounds.fold((f64::INFINITY, 0.0), |(small, large), (least, most)| (small.min(least), large.max(most)))
     }
 
     /// Sets the velocity with which spheres appear, in units/s.
@@ -204,24 +187,6 @@ impl Inlet {
         self
     }
 
-    /// Sets the material of the spheres.
-    pub fn material(mut self, material: MaterialId) -> Self {
-        self.material = Some(material);
-        self
-    }
-
-    /// Sets the collision group of the spheres.
-    pub fn group(mut self, group: u16) -> Self {
-        self.group = group;
-        self
-    }
-
-    /// Sets the name, colour, look and label of the spheres.
-    pub fn tag(mut self, tag: Tag) -> Self {
-        self.tag = tag;
-        self
-    }
-
     fn validate(&self) -> Result<()> {
         check_name("inlet.name", &self.name)?;
         check_box("inlet.box", &self.corners)?;
@@ -231,23 +196,31 @@ impl Inlet {
             Rate::Volume(rate) => ("inlet.volume_rate", rate),
         };
         demand(rate >= 0.0 && rate.is_finite(), field, rate, "a finite number, not negative")?;
-        self.radii.validate()?;
-        match self.mass {
-            GrainMass::Mass(mass) => positive("inlet.mass", mass)?,
-            GrainMass::Density(density) => positive("inlet.density", density)?,
-            GrainMass::OfMaterial => {}
+        demand(!self.kinds.is_empty(), "inlet.mix", "empty", "at least one kind with its share")?;
+        for (kind, share) in &self.kinds {
+            kind.validate()?;
+            demand(*share > 0.0 && share.is_finite(), "inlet.mix", share, "shares greater than 0")?;
         }
+        self.validate_names()?;
         super::finite("inlet.velocity", self.velocity)?;
         demand(self.from.is_finite(), "inlet.from", self.from, "a finite number")?;
         demand(self.to >= self.from, "inlet.to", self.to, "a time that is not before `from`")?;
         check_every("inlet.every", self.every)?;
         demand(self.after <= MOST_BEFORE, "inlet.after", self.after, "a whole number up to 100000000")?;
-        self.tag.validate()?;
-        let (small, large) = self.radii.bounds(self.by);
+        let large = self.bounds().1;
         let room = (self.corners[1] - self.corners[0]).min_element();
         let expected = "a box whose edges are at least as long as the largest sphere is wide; lognormal reaches to four sigma";
-        demand(2.0 * large <= room, "inlet.box", format!("{} wide for a diameter of {}", room, 2.0 * large), expected)?;
-        demand(small as f32 > 0.0, "inlet.radius", small, "radii that are not 0 in f32")
+        demand(2.0 * large <= room, "inlet.box", format!("{} wide for a diameter of {}", room, 2.0 * large), expected)
+    }
+
+    /// In a mixture, every kind of spheres has a name of its own.
+    fn validate_names(&self) -> Result<()> {
+        let spheres = || self.kinds.iter().map(|(kind, _)| kind).filter(|kind| kind.shape.is_none());
+        for kind in spheres().filter(|_| self.kinds.len() > 1) {
+            let count = spheres().filter(|other| other.name == kind.name).count();
+            demand(!kind.name.is_empty() && count == 1, "inlet.mix", quoted(&kind.name), "a name for each kind of spheres")?;
+        }
+        Ok(())
     }
 }
 
@@ -275,22 +248,6 @@ impl Outlet {
     }
 }
 
-impl Radii {
-    fn validate(&self) -> Result<()> {
-        match *self {
-            Self::Equal(radius) => positive("inlet.radius", radius),
-            Self::Uniform(from, to) => {
-                positive("inlet.radius", from)?;
-                demand(to.is_finite() && to >= from, "inlet.radius", to, "a finite number that is not less than the first one")
-            }
-            Self::LogNormal { median, sigma } => {
-                positive("inlet.radius", median)?;
-                demand((0.0..=1.0).contains(&sigma), "inlet.radius", sigma, "a sigma from 0 to 1")
-            }
-        }
-    }
-}
-
 pub(super) fn demand(holds: bool, field: &'static str, value: impl fmt::Display, expected: &'static str) -> Result<()> {
     if holds { Ok(()) } else { Err(Error::Invalid { field, value: value.to_string(), expected }) }
 }
@@ -308,75 +265,31 @@ pub(super) fn check_box(field: &'static str, [low, high]: &[DVec3; 2]) -> Result
     demand(is_box, field, format!("{low} to {high}"), "six finite numbers x0,y0,z0,x1,y1,z1 with x0 < x1, y0 < y1 and z0 < z1")
 }
 
-impl fmt::Display for Radii {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Equal(radius) => write!(f, "{radius}"),
-            Self::Uniform(from, to) => write!(f, "{from}..{to}"),
-            Self::LogNormal { median, sigma } => write!(f, "lognormal:{median},{sigma}"),
-        }
-    }
-}
-
-impl FromStr for Radii {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let pair = |text: &str, between: &str| {
-            let (one, other) = text.split_once(between)?;
-            Some((one.parse().ok()?, other.parse().ok()?))
-        };
-        let log_normal = text.strip_prefix("lognormal:").and_then(|rest| pair(rest, ","));
-        let found = match (log_normal, pair(text, "..")) {
-            (Some((median, sigma)), _) => Some(Self::LogNormal { median, sigma }),
-            (None, Some((from, to))) => Some(Self::Uniform(from, to)),
-            (None, None) => text.parse().ok().map(Self::Equal),
-        };
-        let expected = "a radius r, a range a..b or lognormal:median,sigma";
-        found.ok_or_else(|| Error::Invalid { field: "inlet.radius", value: quoted(text), expected })
-    }
-}
-
-impl fmt::Display for SizedBy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(if *self == Self::Mass { "mass" } else { "number" })
-    }
-}
-
-impl FromStr for SizedBy {
-    type Err = Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        match text {
-            "number" => Ok(Self::Number),
-            "mass" => Ok(Self::Mass),
-            _ => Err(Error::Invalid { field: "inlet.by", value: quoted(text), expected: "number or mass" }),
-        }
-    }
-}
-
 impl Scene {
     /// Adds an inlet. Simulations of the scene insert its spheres or rigid bodies.
     ///
     /// # Errors
     /// [`Error::Invalid`] for a name that another inlet has or that is not one word, a box without volume or too small for the largest
-    /// sphere, a volume rate of rigid bodies, and numbers that are out of range. [`Error::StaleHandle`] for a material or a shape that is
+    /// sphere, a volume rate of rigid bodies, a mixture without kinds or with kinds of the same name, and numbers that are out of range. [`Error::StaleHandle`] for a material or a shape that is
     /// not in the scene.
     pub fn add_inlet(&mut self, mut inlet: Inlet) -> Result<()> {
-        if let Some(shape) = inlet.shape {
+        for (kind, _) in &mut inlet.kinds {
+            let Some(shape) = kind.shape else { continue };
             let is_volume = matches!(inlet.rate, Rate::Volume(_));
             demand(!is_volume, "inlet.volume_rate", "given with a shape", "a rate or a mass rate, which rigid bodies have")?;
             let mass = GrainMass::Mass((self.shape_mass(shape)?.mass as f32).into());
-            (inlet.radii, inlet.by, inlet.mass) = (Radii::Equal(self.shape_reach(shape)?), SizedBy::Number, mass);
+            (kind.radii, kind.by, kind.mass) = (Radii::Equal(self.shape_reach(shape)?), SizedBy::Number, mass);
         }
         inlet.validate()?;
-        self.material_number(inlet.material)?;
         let is_known = self.inlets.iter().any(|known| known.name == inlet.name);
         demand(!is_known, "inlet.name", quoted(&inlet.name), "a name that no other inlet has")?;
-        // Every sphere between the smallest and the largest one is valid, too.
-        match inlet.shape {
-            Some(shape) => drop(self.laid(Placement::new(shape).velocity(inlet.velocity))?),
-            None => self.samples(&inlet).iter().try_for_each(Sphere::validate)?,
+        for (kind, _) in &inlet.kinds {
+            self.material_number(kind.material)?;
+            // Every sphere between the smallest and the largest one is valid, too.
+            match kind.shape {
+                Some(shape) => drop(self.laid(Placement::new(shape).velocity(inlet.velocity))?),
+                None => self.samples(&inlet, kind).iter().try_for_each(Sphere::validate)?,
+            }
         }
         self.inlets.push(inlet);
         Ok(())

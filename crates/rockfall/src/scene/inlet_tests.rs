@@ -7,7 +7,9 @@ fn inlet(radii: Radii, by: SizedBy) -> Inlet {
 }
 
 fn radii_of(inlet: &Inlet) -> Vec<f64> {
-    (0..COUNT).map(|serial| inlet.grain(0, serial, None).radius.into()).collect()
+    let scene = Scene::new();
+    let sequence = scene.sequence(inlet, 0);
+    (0..COUNT).map(|serial| sequence.grain(serial).radius.into()).collect()
 }
 
 /// Chi squared of numbers from 0 to 1 that are uniform if the radii have the distribution, in 20 bins.
@@ -77,7 +79,7 @@ fn the_medians_by_mass_and_by_number_differ_by_a_known_factor() {
 fn spheres_follow_from_the_key_alone() {
     let one = inlet(Radii::Uniform(0.1, 0.3), SizedBy::Number);
     let key = |inlet: &Inlet, number, serial, attempt| {
-        let grain = inlet.grain(number, serial, None);
+        let grain = Scene::new().sequence(inlet, number).grain(serial);
         (grain, inlet.place(number, serial, grain.radius, attempt).to_array())
     };
     assert_eq!(key(&one, 0, 5, 3), key(&one.clone(), 0, 5, 3));
@@ -89,15 +91,70 @@ fn spheres_follow_from_the_key_alone() {
         }
     }
     assert_eq!(all[0].0, all[3].0, "another try has the same radius");
+    let scene = Scene::new();
+    let sequence = scene.sequence(&one, 0);
     let (mut least, mut greatest) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for serial in 0..COUNT {
-        let radius = one.grain(0, serial, None).radius;
+        let radius = sequence.grain(serial).radius;
         let place = one.place(0, serial, radius, 0);
         least = least.min(place - f64::from(radius));
         greatest = greatest.max(place + f64::from(radius));
     }
     assert!(least.min_element() >= 0.0 && greatest.max_element() <= 10.0, "{least} {greatest}");
     assert!(least.max_element() < 0.01 && greatest.min_element() > 9.99, "{least} {greatest}");
+}
+
+/// Of each kind the shares of the spheres and of the mass.
+fn parts(inlet: &Inlet) -> Vec<[f64; 2]> {
+    let scene = Scene::new();
+    let sequence = scene.sequence(inlet, 3);
+    let mut sums = vec![[0.0; 2]; inlet.kinds.len()];
+    for grain in (0..COUNT).map(|serial| sequence.grain(serial)) {
+        sums[grain.kind][0] += 1.0;
+        sums[grain.kind][1] += f64::from(grain.mass);
+    }
+    let all = [0, 1].map(|what| sums.iter().map(|sum| sum[what]).sum::<f64>());
+    sums.iter().map(|sum| [sum[0] / all[0], sum[1] / all[1]]).collect()
+}
+
+/// Shares count spheres or mass, whatever the distributions of the radii.
+#[test]
+fn mixtures_keep_their_shares() {
+    let kind = |name: &str, radii, by| GrainKind::spheres(1.0).name(name).radii(radii, by).density(2.0);
+    let kinds = [
+        (kind("equal", Radii::Equal(0.3), SizedBy::Number), 1.0),
+        (kind("uniform", Radii::Uniform(0.1, 0.3), SizedBy::Number), 2.0),
+        (kind("fine", Radii::Uniform(0.1, 0.3), SizedBy::Mass), 3.0),
+        (kind("wide", Radii::LogNormal { median: 0.2, sigma: 0.3 }, SizedBy::Mass), 4.0),
+        (GrainKind::spheres(0.1).name("light").mass(1e-3), 2.5),
+    ];
+    for (what, shares) in [SizedBy::Number, SizedBy::Mass].into_iter().enumerate() {
+        let mixed = inlet(Radii::Equal(1.0), SizedBy::Number).mix(kinds.clone(), shares);
+        for (found, (kind, share)) in parts(&mixed).iter().zip(&kinds) {
+            let wanted = share / 12.5;
+            assert!((found[what] - wanted).abs() < 0.06 * wanted, "{} by {shares}: {} of {wanted}", kind.name, found[what]);
+            assert!((found[1 - what] - wanted).abs() > 0.06 * wanted, "{}: the other share differs", kind.name);
+        }
+    }
+}
+
+#[test]
+fn mixtures_need_names_and_shares() {
+    let refused = |kinds: Vec<(GrainKind, f64)>| {
+        let one = inlet(Radii::Equal(1.0), SizedBy::Number).mix(kinds, SizedBy::Number);
+        Scene::new().add_inlet(one).unwrap_err().to_string()
+    };
+    let kind = |name: &str| GrainKind::spheres(0.1).name(name);
+    for kinds in [
+        vec![],
+        vec![(kind("a"), 1.0), (kind("a"), 1.0)],
+        vec![(kind("a"), 1.0), (kind(""), 1.0)],
+        vec![(kind("a"), 0.0)],
+        vec![(kind("a"), f64::NAN)],
+    ] {
+        let error = refused(kinds);
+        assert!(error.contains("inlet.mix"), "{error}");
+    }
 }
 
 #[test]

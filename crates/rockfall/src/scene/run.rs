@@ -88,7 +88,9 @@ impl Scene {
 
     /// Whether the scene has objects that only the contact law `rigid` moves in every form.
     fn needs_rigid(&self) -> bool {
-        !self.bodies().is_empty() || !self.joints().is_empty() || self.inlets().iter().any(|inlet| inlet.shape.is_some())
+        !self.bodies().is_empty()
+            || !self.joints().is_empty()
+            || self.inlets().iter().any(|inlet| inlet.shapes().next().is_some())
     }
 
     /// The settings with the contact law that a simulation takes. Where `auto` means `rigid`, a restitution and a coefficient of

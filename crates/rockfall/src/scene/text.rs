@@ -35,7 +35,7 @@
 //! | `@periodic AXIS FROM TO [shear=RATE,DIRECTION,DISPLACEMENT]` | nothing: the scene is periodic along x, y or z, between two coordinates ([`Scene::set_periodic`](crate::Scene::set_periodic)), and sheared ([`Scene::set_shear`](crate::Scene::set_shear)) |
 //! | `@gauge name=N wall=NAME` | nothing: measures the load on the boxes and polygons of that name or motion ([`Gauge`](crate::Gauge)) |
 //! | `@gauge name=N plane=x,y,z,nx,ny,nz` | nothing: counts the spheres that pass the plane through that point, across that normal |
-//! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass |
+//! | `@inlet name=N box=x0,y0,z0,x1,y1,z1 rate=PER_S radius=r by=number density=D velocity=x,y,z from=S to=S limit=COUNT seed=N` | nothing: spheres of the material in use come in while a simulation runs ([`Inlet`](crate::Inlet)). `mass_rate=` or `volume_rate=` may replace `rate=`, `mass=` may replace `density=`, `radius=` also takes `a..b` and `lognormal:median,sigma`, `by=mass` weights radii by mass. `mix=NAME:SHARE,...` in place of the radius lets in several kinds: `@grain NAME radius=r by=number density=D` above names one of spheres, with the material, group and tag in use there |
 //! | `@outlet name=N box=x0,y0,z0,x1,y1,z1` | nothing: spheres that enter the box are removed ([`Outlet`](crate::Outlet)) |
 //! | `@sensor name=N box=x0,y0,z0,x1,y1,z1` | nothing: reports what enters and leaves the box ([`Sensor`](crate::Sensor)) |
 //! | `@body NAME mass=M centre=x,y,z inertia=xx,yy,zz,xy,xz,yz` ... `@end` | nothing: the `S`, `R` and `C` lines between are the parts of a shape in coordinates of its own ([`Shape`](crate::Shape)), with velocities of 0 and any mass. `density=D` may replace `mass=`. References, `@group`, `@use`, `@name`, `@colour`, `@look` and `@label` in a block hold up to its `@end` |
@@ -92,7 +92,7 @@ use values::Values;
 
 pub(super) use smooth::line_of;
 
-use super::{Gauge, Joint, MaterialId, MotionId, Scene, SphereId, Tag};
+use super::{Gauge, GrainKind, Joint, MaterialId, MotionId, Scene, SphereId, Tag};
 use crate::error::{Error, Result, nearest, quoted};
 use crate::settings::Precision;
 
@@ -182,7 +182,7 @@ impl Scene {
 }
 
 /// First words of extensions that begin with `@`.
-const AT_WORDS: [&str; 34] = [
+const AT_WORDS: [&str; 35] = [
     "@group",
     "@orientation",
     "@force",
@@ -208,6 +208,7 @@ const AT_WORDS: [&str; 34] = [
     "@cone",
     "@ball",
     "@gauge",
+    "@grain",
     "@inlet",
     "@outlet",
     "@sensor",
@@ -236,6 +237,8 @@ struct Reader<'a> {
     open: Vec<Block<'a>>,
     /// The lines between `@body` and `@end` so far.
     body: Option<body::Block>,
+    /// Kinds of spheres for mixtures, by name.
+    grains: HashMap<String, GrainKind>,
     /// The copies that the present line is part of, the outermost first.
     copies: Vec<Copy>,
     /// Number of lines of all blocks so far.
@@ -275,6 +278,7 @@ impl<'a> Reader<'a> {
             at: 0,
             open: Vec::new(),
             body: None,
+            grains: HashMap::new(),
             copies: Vec::new(),
             repeated: 0,
             run_at: None,
@@ -334,6 +338,7 @@ impl<'a> Reader<'a> {
             "@surface" => self.surface(line, number),
             "@periodic" => self.periodic(line, number),
             "@gauge" => self.gauge(line, number),
+            "@grain" => self.grain(line, number),
             "@inlet" => self.inlet(line, number),
             "@outlet" => self.outlet(line, number),
             "@sensor" => self.sensor(line, number),

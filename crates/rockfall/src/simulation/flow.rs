@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::error::Result;
-use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, RigidBody, Scene, ShapeId, SphereId, shared};
+use crate::scene::{Inlet, InletState, ObjectId, Outlet, Passed, RigidBody, Scene, Sequence, ShapeId, SphereId, shared};
 use crate::simulation::Simulation;
 use crate::simulation::edit::Dirty;
 
@@ -102,7 +102,9 @@ impl Simulation {
             for number in 0..self.scene.inlets.len() {
                 let inlet = &self.scene.inlets[number];
                 let (state, time) = (&self.flow.inlets[number], self.muscle_clock.written_time());
-                if step.is_multiple_of(self.inlet_steps(inlet)) && is_due(&self.scene, number, inlet, state, time) {
+                if step.is_multiple_of(self.inlet_steps(inlet))
+                    && is_due(&self.scene.sequence(inlet, number), inlet, state, time)
+                {
                     self.pull().await?;
                     self.let_in(number)?;
                 }
@@ -133,11 +135,12 @@ impl Simulation {
     fn let_in(&mut self, number: usize) -> Result<()> {
         let (scene, state) = (&mut self.scene, &mut self.flow.inlets[number]);
         let inlet = scene.inlets[number].clone();
-        let (time, density, tag) = (self.muscle_clock.written_time(), scene.inlet_density(&inlet), shared(inlet.tag.clone()));
+        let (time, sequence) = (self.muscle_clock.written_time(), scene.sequence(&inlet, number));
+        let tags: Vec<_> = inlet.kinds.iter().map(|(kind, _)| shared(kind.tag.clone())).collect();
         let mut room = Room::of(scene, &inlet, time);
         for _ in 0..MOST {
-            let grain = inlet.grain(number, state.serial, density);
-            if !is_due(scene, number, &inlet, state, time) {
+            let grain = sequence.grain(state.serial);
+            if !is_due(&sequence, &inlet, state, time) {
                 break;
             }
             let places = state.tries..state.tries + TRIES;
@@ -146,13 +149,14 @@ impl Simulation {
                 state.tries += TRIES;
                 break;
             };
-            let (id, spheres) = match inlet.shape {
+            let kind = &inlet.kinds[grain.kind].0;
+            let (id, spheres) = match kind.shape {
                 Some(shape) => {
                     let id = scene.add_body(inlet.placement(shape, number, state.serial, centre))?;
                     (ObjectId::from(id), scene.body(id)?.spheres().to_vec())
                 }
                 None => {
-                    let id = scene.add_sphere(inlet.sphere_of(centre, grain.radius, grain.mass))?;
+                    let id = scene.add_sphere(inlet.sphere_of(kind, centre, grain.radius, grain.mass))?;
                     (ObjectId::from(id), vec![id])
                 }
             };
@@ -160,7 +164,7 @@ impl Simulation {
                 scene.references.set(sphere, self.flow.next_reference);
                 self.flow.next_reference = self.flow.next_reference.saturating_add(1);
             }
-            scene.share_tag(id, &tag)?;
+            scene.share_tag(id, &tags[grain.kind])?;
             room.add(centre, grain.radius);
             state.sum += inlet.share(&grain);
             state.passed.add(grain.mass);
@@ -175,7 +179,7 @@ impl Simulation {
         let until = |every: u64| every - step % every;
         let outlets = self.scene.outlets().iter().map(|outlet| until(self.outlet_steps(outlet)));
         let inlets = self.scene.inlets().iter().enumerate().map(|(number, inlet)| {
-            let needed = needed(&self.scene, number, inlet, &self.flow.inlets[number]);
+            let needed = needed(&self.scene.sequence(inlet, number), inlet, &self.flow.inlets[number]);
             let Some(needed) = needed.filter(|needed| *needed <= inlet.due(f64::INFINITY)) else { return u64::MAX };
             let every = self.inlet_steps(inlet);
             // Where the next sphere is due later, the inlet is asked again then.
@@ -188,7 +192,7 @@ impl Simulation {
 
     /// Number of steps between two times at which an inlet may insert spheres: those in which a sphere moves on by its diameter.
     fn inlet_steps(&self, inlet: &Inlet) -> u64 {
-        let (small, large) = inlet.radii.bounds(inlet.by);
+        let (small, large) = inlet.bounds();
         let width = 2.0 * (small * large).sqrt();
         let speed = f64::from(inlet.velocity.length()) + (self.free_fall() * width).sqrt();
         inlet.every.unwrap_or_else(|| self.steps_in(width / speed))
@@ -226,21 +230,20 @@ fn body_mass(scene: &Scene, shape: ShapeId) -> f32 {
 }
 
 /// What the rate counts of all spheres up to the next one, which is due when it has let in as much; `None` at the limit.
-fn needed(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState) -> Option<f64> {
+fn needed(sequence: &Sequence, inlet: &Inlet, state: &InletState) -> Option<f64> {
     let is_open = inlet.limit.is_none_or(|limit| state.serial < limit);
-    let share = || inlet.share(&inlet.grain(number, state.serial, scene.inlet_density(inlet)));
-    is_open.then(|| state.sum + share())
+    is_open.then(|| state.sum + sequence.share(state.serial))
 }
 
-fn is_due(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> bool {
-    needed(scene, number, inlet, state).is_some_and(|needed| needed <= inlet.due(time))
+fn is_due(sequence: &Sequence, inlet: &Inlet, state: &InletState, time: f64) -> bool {
+    needed(sequence, inlet, state).is_some_and(|needed| needed <= inlet.due(time))
 }
 
 /// Number of spheres that are due and not in yet.
 fn waiting(scene: &Scene, number: usize, inlet: &Inlet, state: &InletState, time: f64) -> u64 {
-    let (mut next, density) = (*state, scene.inlet_density(inlet));
-    while next.serial - state.serial < MOST && is_due(scene, number, inlet, &next, time) {
-        next.sum += inlet.share(&inlet.grain(number, next.serial, density));
+    let (mut next, sequence) = (*state, scene.sequence(inlet, number));
+    while next.serial - state.serial < MOST && is_due(&sequence, inlet, &next, time) {
+        next.sum += sequence.share(next.serial);
         next.serial += 1;
     }
     next.serial - state.serial

@@ -14,12 +14,12 @@ impl Scene {
     }
 
     fn too_fast(&self, number: usize, inlet: &Inlet) -> Option<String> {
-        let density = self.inlet_density(inlet);
+        let sequence = self.sequence(inlet, number);
         // The mean of spheres of the sequence.
         const SAMPLE: u64 = 1000;
         let (mut mass, mut volume) = (0.0, 0.0);
         for serial in 0..SAMPLE {
-            let grain = inlet.grain(number, serial, density);
+            let grain = sequence.grain(serial);
             mass += f64::from(grain.mass) / SAMPLE as f64;
             volume += Inlet { rate: Rate::Volume(0.0), ..inlet.clone() }.share(&grain) / SAMPLE as f64;
         }

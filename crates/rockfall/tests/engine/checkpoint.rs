@@ -250,7 +250,7 @@ fn rejected_checkpoints_are_reported_with_the_reason() {
     let mut newer = good;
     for version in [0, 25, 27] {
         newer[8] = version;
-        let expected = format!("it has version {version} of the format, this rockfall reads version 26");
+        let expected = format!("it has version {version} of the format, this rockfall reads version 27");
         assert!(assert_rejected(&newer).contains(&expected));
     }
 }

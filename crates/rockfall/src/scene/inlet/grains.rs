@@ -1,12 +1,12 @@
-//! The sequence of spheres of an inlet: their radii, masses and places follow from the seed, the number of the inlet and the serial
+//! The sequence of spheres of an inlet: their kinds, radii, masses and places follow from the seed, the number of the inlet and the serial
 //! number of the sphere alone (docs/physics section 2.15).
 
 use std::borrow::Cow;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use glam::{DQuat, DVec3};
 
-use super::{GrainMass, Inlet, Radii, Rate, SizedBy};
+use super::{GrainKind, GrainMass, Inlet, Radii, Rate, SizedBy};
 use crate::scene::{Placement, Scene, ShapeId, Sphere};
 
 /// Standard deviations beyond which radii of a log-normal distribution are left out.
@@ -20,11 +20,14 @@ enum Draw {
     Radius,
     Place,
     Orientation,
+    Kind,
 }
 
 /// A sphere that has not appeared yet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Grain {
+    /// Number of its kind.
+    pub(crate) kind: usize,
     pub(crate) radius: f32,
     pub(crate) mass: f32,
 }
@@ -84,21 +87,87 @@ fn volume(radius: f64) -> f64 {
     4.0 / 3.0 * PI * radius.powi(3)
 }
 
-impl Inlet {
-    /// The sphere with a serial number. `number` is that of the inlet in its scene, and `density` that of its material.
-    pub(crate) fn grain(&self, number: usize, serial: u64, density: Option<f32>) -> Grain {
-        let key = |index| [self.seed, number as u64, serial, Draw::Radius as u64, index];
-        let radius = self.radii.radius(self.by, |index| random(key(index))) as f32;
-        let of_density = |density: f64| density * volume(f64::from(radius));
-        let mass = match (self.mass, density) {
-            (GrainMass::Mass(mass), _) => mass,
-            (GrainMass::Density(density), _) => of_density(density),
-            (GrainMass::OfMaterial, Some(density)) => of_density(density.into()),
-            (GrainMass::OfMaterial, None) => 1.0,
+impl Radii {
+    /// The mean volume of spheres, in units³.
+    fn mean_volume(&self, by: SizedBy) -> f64 {
+        let cube = match (*self, by) {
+            (Self::Equal(radius), _) => radius.powi(3),
+            (Self::Uniform(from, to), _) if to - from <= f64::EPSILON * to => from.powi(3),
+            (Self::Uniform(from, to), SizedBy::Number) => (from + to) * (from * from + to * to) / 4.0,
+            (Self::Uniform(from, to), SizedBy::Mass) => 2.0 * (to - from) / (from.powi(-2) - to.powi(-2)),
+            (Self::LogNormal { median, sigma }, _) => {
+                // The part of a normal distribution up to a number, without the tails beyond four standard deviations.
+                let below = |number: f64| 0.5 * libm::erfc(-number / SQRT_2);
+                let kept = below(TAIL - 3.0 * sigma) - below(-TAIL - 3.0 * sigma);
+                median_by_number(median, sigma, by).powi(3) * (4.5 * sigma * sigma).exp() * kept / (below(TAIL) - below(-TAIL))
+            }
         };
-        Grain { radius, mass: mass as f32 }
+        4.0 / 3.0 * PI * cube
+    }
+}
+
+impl GrainKind {
+    /// The mass of a sphere with a volume.
+    fn mass_of(&self, volume: f64, density: Option<f32>) -> f64 {
+        match (self.mass, density) {
+            (GrainMass::Mass(mass), _) => mass,
+            (GrainMass::Density(density), _) => density * volume,
+            (GrainMass::OfMaterial, Some(density)) => f64::from(density) * volume,
+            (GrainMass::OfMaterial, None) => 1.0,
+        }
+    }
+}
+
+/// The sequence of an inlet in a scene.
+pub(crate) struct Sequence<'a> {
+    inlet: &'a Inlet,
+    /// The number of the inlet in its scene.
+    number: usize,
+    /// Of each kind the density of its material, and the part of the grains that are of this kind or one before.
+    kinds: Vec<(Option<f32>, f64)>,
+}
+
+impl<'a> Sequence<'a> {
+    fn new(scene: &Scene, inlet: &'a Inlet, number: usize) -> Self {
+        let density = |kind: &GrainKind| {
+            let material = kind.material.and_then(|id| scene.material(id).ok());
+            material.and_then(|material| material.density)
+        };
+        let part = |(kind, share): &(GrainKind, f64)| match inlet.shares {
+            SizedBy::Number => *share,
+            SizedBy::Mass => share / kind.mass_of(kind.radii.mean_volume(kind.by), density(kind)),
+        };
+        let all: f64 = inlet.kinds.iter().map(part).sum();
+        let mut below = 0.0;
+        let kinds = inlet.kinds.iter().map(|kind| {
+            below += part(kind) / all;
+            (density(&kind.0), below)
+        });
+        Self { inlet, number, kinds: kinds.collect() }
     }
 
+    /// The sphere with a serial number.
+    pub(crate) fn grain(&self, serial: u64) -> Grain {
+        let Self { inlet, number, kinds } = self;
+        let key = |draw: Draw, index| [inlet.seed, *number as u64, serial, draw as u64, index];
+        let kind = if kinds.len() == 1 {
+            0
+        } else {
+            let random = random(key(Draw::Kind, 0));
+            kinds.iter().position(|(_, below)| random < *below).unwrap_or(kinds.len() - 1)
+        };
+        let (of, density) = (&inlet.kinds[kind].0, kinds[kind].0);
+        let radius = of.radii.radius(of.by, |index| random(key(Draw::Radius, index))) as f32;
+        Grain { kind, radius, mass: of.mass_of(volume(radius.into()), density) as f32 }
+    }
+
+    /// What the rate counts of the sphere with a serial number.
+    pub(crate) fn share(&self, serial: u64) -> f64 {
+        self.inlet.share(&self.grain(serial))
+    }
+}
+
+impl Inlet {
     /// The place of a sphere at one of its tries, wholly inside the box.
     pub(crate) fn place(&self, number: usize, serial: u64, radius: f32, attempt: u64) -> DVec3 {
         let [low, high] = self.corners;
@@ -125,9 +194,9 @@ impl Inlet {
     }
 
     /// A sphere of the inlet.
-    pub(crate) fn sphere_of(&self, centre: DVec3, radius: f32, mass: f32) -> Sphere {
-        let sphere = Sphere::new(centre.as_vec3(), radius).mass(mass).velocity(self.velocity).group(self.group);
-        Sphere { material: self.material, ..sphere }
+    pub(crate) fn sphere_of(&self, kind: &GrainKind, centre: DVec3, radius: f32, mass: f32) -> Sphere {
+        let sphere = Sphere::new(centre.as_vec3(), radius).mass(mass).velocity(self.velocity).group(kind.group);
+        Sphere { material: kind.material, ..sphere }
     }
 
     fn middle(&self) -> DVec3 {
@@ -152,37 +221,39 @@ impl Inlet {
 }
 
 impl Scene {
-    /// The density of the material of an inlet.
-    pub(crate) fn inlet_density(&self, inlet: &Inlet) -> Option<f32> {
-        inlet.material.and_then(|id| self.material(id).ok()).and_then(|material| material.density)
+    /// The sequence of an inlet.
+    pub(crate) fn sequence<'a>(&self, inlet: &'a Inlet, number: usize) -> Sequence<'a> {
+        Sequence::new(self, inlet, number)
     }
 
-    /// The smallest and the largest sphere of an inlet, in the middle of its box.
-    pub(crate) fn samples(&self, inlet: &Inlet) -> [Sphere; 2] {
-        let (small, large) = inlet.radii.bounds(inlet.by);
+    /// The smallest and the largest sphere of a kind, in the middle of the box of its inlet.
+    pub(crate) fn samples(&self, inlet: &Inlet, kind: &GrainKind) -> [Sphere; 2] {
+        let (small, large) = kind.radii.bounds(kind.by);
         [small, large].map(|radius| {
-            let one = Inlet { radii: Radii::Equal(radius), ..inlet.clone() };
-            let Grain { radius, mass } = one.grain(0, 0, self.inlet_density(inlet));
-            one.sphere_of(one.middle(), radius, mass)
+            let one = Inlet { kinds: vec![(GrainKind { radii: Radii::Equal(radius), ..kind.clone() }, 1.0)], ..inlet.clone() };
+            let Grain { radius, mass, .. } = self.sequence(&one, 0).grain(0);
+            one.sphere_of(kind, one.middle(), radius, mass)
         })
     }
 
-    /// The scene with the smallest and the largest sphere of every inlet, or one of its rigid bodies, and without the inlets, for checks of what the scene will
-    /// contain.
+    /// The scene with the smallest and the largest sphere of every kind that an inlet lets in, or one of its rigid bodies, and without
+    /// the inlets, for checks of what the scene will contain.
     pub fn with_grains(&self) -> Cow<'_, Self> {
         if self.inlets.is_empty() {
             return Cow::Borrowed(self);
         }
         let mut scene = self.clone();
         for inlet in std::mem::take(&mut scene.inlets) {
-            match inlet.shape {
-                Some(shape) => {
-                    // The inlet would not be in the scene if its bodies could not be.
-                    let _ = scene.add_body(inlet.placement(shape, 0, 0, inlet.middle()));
+            for (kind, _) in &inlet.kinds {
+                match kind.shape {
+                    Some(shape) => {
+                        // The inlet would not be in the scene if its bodies could not be.
+                        let _ = scene.add_body(inlet.placement(shape, 0, 0, inlet.middle()));
+                    }
+                    None => scene.samples(&inlet, kind).into_iter().for_each(|sphere| {
+                        scene.spheres.add(sphere);
+                    }),
                 }
-                None => scene.samples(&inlet).into_iter().for_each(|sphere| {
-                    scene.spheres.add(sphere);
-                }),
             }
         }
         Cow::Owned(scene)

@@ -54,10 +54,9 @@ impl FlowState {
             self.next_reference = self.next_reference.max(scene.references.next());
         }
         for (number, inlet) in scene.inlets().iter().enumerate().skip(self.inlets.len()) {
-            let density = scene.inlet_density(inlet);
             let sum = match inlet.rate {
                 Rate::Number(_) => inlet.after as f64,
-                _ => (0..inlet.after).map(|serial| inlet.share(&inlet.grain(number, serial, density))).sum(),
+                _ => (0..inlet.after).map(|serial| scene.sequence(inlet, number).share(serial)).sum(),
             };
             self.inlets.push(InletState { serial: inlet.after, sum, ..InletState::default() });
         }

@@ -1,21 +1,23 @@
-//! Lines of boxes that let spheres in and out or report them: `@inlet`, `@outlet` and `@sensor`.
+//! Lines of boxes that let spheres in and out or report them: `@inlet` with its `@grain` lines, `@outlet` and `@sensor`.
 
 use glam::DVec3;
 
 use super::Reader;
-use super::line::{INLET, Line, OUTLET, SENSOR};
+use super::line::{GRAIN, INLET, Line, OUTLET, SENSOR};
 use super::motion::{number, vector};
 use super::values::Values;
 use crate::error::quoted;
-use crate::scene::{GrainMass, Inlet, Outlet, Rate, Sensor, ShapeId};
+use crate::scene::{GrainKind, GrainMass, Inlet, Outlet, Rate, Sensor, SizedBy};
 
-const INLET_KEYS: [&str; 17] = [
+const GRAIN_KEYS: [&str; 4] = ["radius", "by", "mass", "density"];
+const INLET_KEYS: [&str; 18] = [
     "name",
     "box",
     "rate",
     "mass_rate",
     "volume_rate",
     "shape",
+    "mix",
     "radius",
     "by",
     "mass",
@@ -39,9 +41,15 @@ impl Reader<'_> {
         let values = Values::read(&INLET, &INLET_KEYS, line.split_ascii_whitespace().skip(1))?;
         let mut inlet = Inlet::new("", [[0.0; 3]; 2], values.rate()?, 0.0);
         inlet.corners = values.corners(self.offset())?;
-        inlet.shape = self.shape_of(&values)?;
-        if inlet.shape.is_none() {
-            values.grains(&mut inlet)?;
+        if let Some(mix) = values.of("mix") {
+            values.without(&["radius", "mass", "density", "shape"], "mix", "each kind has its own size and mass")?;
+            inlet = inlet.mix(self.mixture(mix)?, values.by()?);
+        } else if let Some(name) = values.of("shape") {
+            let own = ["radius", "by", "mass", "density", "volume_rate"];
+            values.without(&own, "shape", "a shape has its own size and mass")?;
+            inlet.kinds = vec![(GrainKind::bodies(self.known_shape(&INLET, name)?), 1.0)];
+        } else {
+            inlet.kinds = vec![(self.kind(&values)?, 1.0)];
         }
         if let Some(velocity) = values.of("velocity") {
             inlet.velocity = vector(&INLET, "velocity", velocity)?.as_vec3();
@@ -53,18 +61,42 @@ impl Reader<'_> {
         inlet.every = values.parsed("every", WHOLE)?;
         inlet.after = values.parsed("after", WHOLE)?.unwrap_or(0);
         inlet.name = values.name("inlet", |name| self.scene.inlets().iter().any(|known| known.name == name));
-        (inlet.material, inlet.group) = (self.material, self.group);
-        inlet.tag = self.tag.as_deref().cloned().unwrap_or_default();
         self.scene.add_inlet(inlet).map_err(|error| INLET.refused(&error))
     }
 
-    /// The shape of the rigid bodies that an inlet lets in.
-    fn shape_of(&self, values: &Values) -> Line<Option<ShapeId>> {
-        let Some(name) = values.of("shape") else { return Ok(None) };
-        if let Some(key) = ["radius", "by", "mass", "density", "volume_rate"].into_iter().find(|key| values.of(key).is_some()) {
-            return Err(INLET.wrong(key, "given with shape, expected one of them: a shape has its own size and mass"));
-        }
-        self.known_shape(&INLET, name).map(Some)
+    /// A kind of spheres, for the mixtures of the inlets below.
+    pub(super) fn grain(&mut self, line: &str, number: usize) -> Line<()> {
+        let mut words = line.split_ascii_whitespace().skip(1);
+        let Some(name) = words.next().filter(|name| !name.contains(['=', ',', ':'])) else {
+            return self.not_understood(number, GRAIN.wrong("NAME", format!("missing, expected {}", GRAIN.form())));
+        };
+        let values = Values::read(&GRAIN, &GRAIN_KEYS, words)?;
+        let kind = self.kind(&values)?.name(name);
+        kind.validate().map_err(|error| GRAIN.refused(&error))?;
+        self.grains.insert(name.to_owned(), kind);
+        Ok(())
+    }
+
+    /// The spheres of a line, with the material, group and tag in use.
+    fn kind(&self, values: &Values) -> Line<GrainKind> {
+        let mut kind = values.grains()?;
+        (kind.material, kind.group) = (self.material, self.group);
+        kind.tag = self.tag.as_deref().cloned().unwrap_or_default();
+        Ok(kind)
+    }
+
+    /// Kinds of grains and shapes of bodies with their shares.
+    fn mixture(&self, mix: &str) -> Line<Vec<(GrainKind, f64)>> {
+        let expected = "expected NAME:SHARE,... with names of @grain or @body lines above and shares greater than 0";
+        let kind = |word: &str| {
+            let wrong = || INLET.wrong("mix", format!("{} is not allowed, {expected}", quoted(word)));
+            let (name, share) = word.split_once(':').ok_or_else(wrong)?;
+            let share = share.parse().ok().filter(|share: &f64| share.is_finite() && *share > 0.0).ok_or_else(wrong)?;
+            let shape = || self.scene.find_shape(name).map(GrainKind::bodies);
+            let unknown = || INLET.wrong("mix", format!("an unknown kind {}, {expected}", quoted(name)));
+            Ok((self.grains.get(name).cloned().or_else(shape).ok_or_else(unknown)?, share))
+        };
+        mix.split(',').map(kind).collect()
     }
 
     pub(super) fn outlet(&mut self, line: &str, number: usize) -> Line<()> {
@@ -105,17 +137,31 @@ impl Values<'_> {
     }
 
     /// Reads the sizes and masses of spheres.
-    fn grains(&self, inlet: &mut Inlet) -> Line<()> {
-        let missing = "missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma, or shape=NAME";
+    fn grains(&self) -> Line<GrainKind> {
+        let others = if self.kind.word == INLET.word { ", shape=NAME or mix=NAME:SHARE,..." } else { "" };
+        let missing = || format!("missing, expected radius=r, radius=a..b or radius=lognormal:median,sigma{others}");
         let radii = self.parsed("radius", "a radius r, a range a..b or lognormal:median,sigma")?;
-        inlet.radii = radii.ok_or_else(|| INLET.wrong("radius", missing))?;
-        inlet.by = self.parsed("by", "number or mass")?.unwrap_or_default();
-        inlet.mass = match (self.number("mass")?, self.number("density")?) {
+        let mut kind = GrainKind::spheres(0.0);
+        kind.radii = radii.ok_or_else(|| self.kind.wrong("radius", missing()))?;
+        kind.by = self.by()?;
+        kind.mass = match (self.number("mass")?, self.number("density")?) {
             (Some(mass), _) => GrainMass::Mass(mass),
             (None, Some(density)) => GrainMass::Density(density),
             (None, None) => GrainMass::OfMaterial,
         };
-        Ok(())
+        Ok(kind)
+    }
+
+    fn by(&self) -> Line<SizedBy> {
+        Ok(self.parsed("by", "number or mass")?.unwrap_or_default())
+    }
+
+    /// Refuses keys that another one replaces.
+    fn without(&self, keys: &[&str], key: &str, reason: &str) -> Line<()> {
+        match keys.iter().find(|key| self.of(key).is_some()) {
+            Some(given) => Err(self.kind.wrong(given, format!("given with {key}, expected one of them: {reason}"))),
+            None => Ok(()),
+        }
     }
 
     /// The corners of the box, moved on for a copy of the line.

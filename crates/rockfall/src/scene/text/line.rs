@@ -154,6 +154,12 @@ pub(super) const PERIODIC: Kind = Kind {
 };
 pub(super) const GAUGE: Kind =
     Kind { word: "@gauge", references: &[], numbers: &["name=N", "wall=NAME|plane=x,y,z,nx,ny,nz"], last_is_optional: false };
+pub(super) const GRAIN: Kind = Kind {
+    word: "@grain",
+    references: &["NAME"],
+    numbers: &["radius=r|a..b|lognormal:median,sigma", "by=number|mass", "mass=M|density=D"],
+    last_is_optional: true,
+};
 pub(super) const INLET: Kind = Kind {
     word: "@inlet",
     references: &[],
@@ -161,7 +167,7 @@ pub(super) const INLET: Kind = Kind {
         "name=N",
         "box=x0,y0,z0,x1,y1,z1",
         "rate=PER_S|mass_rate=M|volume_rate=V",
-        "radius=r|a..b|lognormal:median,sigma|shape=NAME",
+        "radius=r|a..b|lognormal:median,sigma|shape=NAME|mix=NAME:SHARE,...",
         "by=number|mass",
         "mass=M|density=D",
         "velocity=x,y,z",

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use crate::model::period::Periods;
 use crate::model::view::PolygonRecord;
 use crate::physics::smooth::distance;
-use crate::scene::{Cuboid, Inlet, Polygon, Scene};
+use crate::scene::{Cuboid, GrainKind, Inlet, Polygon, Scene};
 
 /// What is near the box of an inlet.
 pub(super) struct Room {
@@ -91,9 +91,12 @@ impl Room {
 
 /// The collision groups of what comes in.
 fn groups(scene: &Scene, inlet: &Inlet) -> Vec<u16> {
-    let Some(Ok(shape)) = inlet.shape.map(|shape| scene.shape(shape)) else { return vec![inlet.group] };
-    let spheres = shape.all_spheres().into_iter().map(|sphere| sphere.group);
-    spheres.chain(shape.rods.iter().map(|rod| rod.group)).collect()
+    let of_kind = |kind: &GrainKind| {
+        let Some(Ok(shape)) = kind.shape.map(|shape| scene.shape(shape)) else { return vec![kind.group] };
+        let spheres = shape.all_spheres().into_iter().map(|sphere| sphere.group);
+        spheres.chain(shape.rods.iter().map(|rod| rod.group)).collect()
+    };
+    inlet.kinds.iter().flat_map(|(kind, _)| of_kind(kind)).collect()
 }
 
 fn corners(corner: DVec3, [i, j, k]: &[DVec3; 3]) -> [DVec3; 8] {

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::rigid::pose::Pose;
 use crate::rigid::shape::{Core, Shape};
 use crate::rigid::world::{Body, Collider, Kind, RigidWorld, Surface};
-use crate::scene::{AnyForm, Body as Part, Inlet, MaterialId, Scene, ShapeHull, WholeBody};
+use crate::scene::{AnyForm, Body as Part, GrainKind, MaterialId, Scene, ShapeHull, WholeBody};
 
 /// A world under construction, and who its bodies are in the scene.
 pub(super) struct Builder<'a> {
@@ -60,11 +60,11 @@ impl<'a> Builder<'a> {
             let hulls = shape.hulls.iter().map(|part| Shape { core: Core::Hull(Arc::clone(&part.hull)), radius: 0.0 }.width());
             spheres.chain(boxes).chain(hulls).fold(f32::INFINITY, f32::min)
         };
-        let of_inlet = |inlet: &Inlet| match inlet.shape {
+        let of_kind = |(kind, _): &(GrainKind, f64)| match kind.shape {
             Some(shape) => self.scene.shape(shape).map_or(f32::INFINITY, of_shape),
-            None => 2.0 * inlet.radii.bounds(inlet.by).0 as f32,
+            None => 2.0 * kind.radii.bounds(kind.by).0 as f32,
         };
-        self.scene.inlets().iter().map(of_inlet).reduce(f32::min)
+        self.scene.inlets().iter().flat_map(|inlet| &inlet.kinds).map(of_kind).reduce(f32::min)
     }
 
     /// The constants of all pairs of materials.

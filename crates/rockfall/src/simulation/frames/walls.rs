@@ -93,12 +93,12 @@ impl Builder<'_> {
     /// The radius of the greatest ball that may touch a wall, in units.
     fn greatest_ball(&self) -> f32 {
         let own = self.scene.spheres().iter().filter(|sphere| !sphere.fixed).map(|sphere| sphere.radius);
-        let to_come = self.scene.inlets().iter().map(|inlet| match inlet.shape {
+        let to_come = self.scene.inlets().iter().flat_map(|inlet| &inlet.kinds).map(|(kind, _)| match kind.shape {
             Some(shape) => self
                 .scene
                 .shape(shape)
                 .map_or(0.0, |shape| shape.spheres.iter().map(|sphere| sphere.radius).fold(0.0, f32::max)),
-            None => inlet.radii.bounds(inlet.by).1 as f32,
+            None => kind.radii.bounds(kind.by).1 as f32,
         });
         own.chain(to_come).fold(0.0, f32::max)
     }
