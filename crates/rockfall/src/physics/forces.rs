@@ -72,9 +72,24 @@ pub(crate) fn rates_of(view: &View, sphere: u32, load: &Load) -> Rates {
 }
 
 /// Acceleration of a moving sphere by everything but contacts and damping: gravity, springs, tethers, external forces and forces of
-/// the program.
+/// the program. For a sphere of a rigid body, it is that by the accelerations of the body (docs/physics section 3.1).
 pub(crate) fn free_acceleration(view: &View, sphere: u32) -> Vec3 {
-    Vec3::from_array(view.step.constants.gravity) + free_rates(view, sphere).acceleration
+    let gravity = Vec3::from_array(view.step.constants.gravity);
+    let Some(body) = view.body_of_sphere(sphere) else { return gravity + free_rates(view, sphere).acceleration };
+    if view.step.layout.free_at == 0 {
+        return gravity;
+    }
+    let body = view.rigid_body(body);
+    let lever = |sphere: u32| view.position(sphere) - body.centre;
+    let (mut force, mut torque) = (Vec3::ZERO, Vec3::ZERO);
+    for (index, _) in view.members(body) {
+        let member = view.slot_of(index);
+        let rates = free_rates(view, member);
+        let pull = rates.acceleration / view.inverse_mass(member);
+        force += pull;
+        torque += rates.torque + lever(member).cross(pull);
+    }
+    gravity + body.inverse_mass * force + body.spin_of(torque).cross(lever(sphere))
 }
 
 /// Rates of change of a moving sphere by springs, tethers, external forces and forces of the program.

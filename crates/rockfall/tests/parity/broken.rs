@@ -78,6 +78,7 @@ static MISTAKES: &[Mistake] = &[
     ),
     Mistake("move_bodies", 4, "move_bodies.wgsl", "select(1.0, 0.5, is_drift)", "1.0", Buffer::RigidBodies),
     Mistake("move_bodies", 5, "move_bodies.wgsl", "keep_rates(body, rates);", "", Buffer::Rates),
+    Mistake("synchronise", 0, "synchronise.wgsl", "+ cross(turning, lever_on_body(record, i, 0.0))", "", Buffer::Start),
     Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
     Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, found.n);", "let across = lever;", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
@@ -764,6 +765,7 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(servos::trace(2, ContactLaw::HertzMindlin, Integrator::VelocityVerlet, [false, false]));
     traces.push(rigid::trace(2, Integrator::SymplecticEuler, ContactLaw::Linear, rigid::Parts::Balls));
     traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
+    traces.push(rigid::trace_of_accelerations(13));
     traces.push(passages::trace(1, Integrator::Rk4, false));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();

@@ -6,7 +6,9 @@ use rand_pcg::Pcg64Mcg;
 use rockfall::model::layout::{AFTER_DRIFT, AFTER_EULER, AFTER_KICK};
 use rockfall::model::world::World;
 use rockfall::step::schedule::{PLACE, Phase, Run};
-use rockfall::{BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, Scene, Shape, Sphere};
+use rockfall::{
+    BroadPhase, ContactLaw, Cuboid, Integrator, Material, MaterialId, Pair, Placement, Scene, Shape, Sphere, Tether,
+};
 
 use crate::assert_scenario_matches;
 use crate::decisions::Findings;
@@ -107,6 +109,33 @@ pub(crate) fn trace(seed: u64, integrator: Integrator, law: ContactLaw, parts: P
     }
     assert_eq!(world.status.rejected, 0);
     Trace { scenarios, findings: Findings::default(), after: world }
+}
+
+/// The stage `synchronise` with symplectic Euler, in a scene in which tethers pull some of the bodies.
+pub(crate) fn trace_of_accelerations(seed: u64) -> Trace {
+    let mut scene = scene(seed, ContactLaw::Linear, Parts::Rods);
+    for body in scene.bodies().to_vec().iter().step_by(3) {
+        let [one, .., last] = *body.spheres() else { continue };
+        for (sphere, stiffness) in [(one, 20.0), (last, 45.0)] {
+            scene.add_tether(Tether::new(sphere, [0.1, 0.2, 0.0], stiffness).length(0.1)).unwrap();
+        }
+    }
+    let mut world = World::build(&scene).unwrap();
+    world.set_integrator(Integrator::SymplecticEuler);
+    let mut after = with_step_settings(world);
+    let before = after.clone();
+    let stages = Phase::HandleCollisions.stages(Integrator::SymplecticEuler, BroadPhase::BruteForce);
+    let run = *stages.iter().find(|run| run.stage.name == "synchronise").expect("a stage");
+    run.on_cpu(&mut after);
+    Trace { scenarios: vec![Scenario { runs: vec![run], before }], findings: Findings::default(), after }
+}
+
+#[test]
+fn backends_agree_on_accelerations_of_bodies() {
+    let trace = trace_of_accelerations(13);
+    let [scenario] = &trace.scenarios[..] else { panic!("one scenario") };
+    assert!(scenario.before.step.layout.free_at != 0 && scenario.before.states[0] != trace.after.states[0]);
+    assert_scenario_matches(13, scenario);
 }
 
 fn check(seed: u64, integrator: Integrator, law: ContactLaw, parts: Parts, passes: &[u32]) {
