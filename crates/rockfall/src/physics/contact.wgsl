@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/walls.wgsl physics/rigid_parts.wgsl
+// requires physics/walls.wgsl
 
 // The contact law (docs/physics section 4), and functions that search the pair lists.
 

@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/collision/pushed.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/collision/pushed.wgsl
 // requires physics/contact.wgsl physics/forces/free.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
 // requires physics/walls.wgsl
 

@@ -2,7 +2,7 @@
 // requires physics/collision/other_collisions.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
 // requires physics/chain.wgsl physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
-// requires model/order.wgsl step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
+// requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
