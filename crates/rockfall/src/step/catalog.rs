@@ -20,7 +20,7 @@ use crate::step::stage::Stage;
 use crate::step::walls::{drive_servos, move_walls, servo_loads};
 
 /// All stages, each once.
-pub const ALL: [&Stage; 51] = [
+pub const ALL: [&Stage; 50] = [
     &drive_servos::STAGE,
     &move_walls::STAGE,
     &update_aabbs::STAGE,
