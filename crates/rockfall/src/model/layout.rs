@@ -47,8 +47,8 @@ constants! {
     pub const SHAPE_WORDS: u32 = 8;
     /// Body of a sphere that belongs to no rigid body.
     pub const NO_RIGID: u32 = u32::MAX;
-    /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation, and the residues of
-    /// velocity and angular momentum. The others are scratch.
+    /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation, and the residues
+    /// of velocity and angular momentum. The others are scratch.
     pub const RIGID_ROWS: u32 = 12;
     /// Row of a rigid body with its residues.
     pub const RESIDUE_ROW: u32 = 5;

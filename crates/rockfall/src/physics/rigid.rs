@@ -30,8 +30,8 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, touch: &
     }
 }
 
-/// The lever of a contact on a rigid body: from the centre of the body to that of the sphere, or to the point of the axis of the rod
-/// at a parameter.
+/// The lever of a contact on a rigid body: from the centre of the body to that of the sphere, or to the point of the axis of
+/// the rod at a parameter.
 fn lever(view: &View, body: &RigidRecord, object: Object, parameter: f32) -> Vec3 {
     match object {
         Object::Sphere(sphere) => view.position(sphere) - body.centre,

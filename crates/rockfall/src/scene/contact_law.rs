@@ -149,7 +149,8 @@ impl Scene {
         self.check_loads()
     }
 
-    /// Checks that no setting asks for impulses on the rigid bodies of a scene: under a law of grains they have contact forces alone.
+    /// Checks that no setting asks for impulses on the rigid bodies of a scene: under a law of grains they have contact forces
+    /// alone.
     fn check_impulses_of_bodies(&self) -> Result<()> {
         let Some(id) = self.placed_shapes().next() else { return Ok(()) };
         let settings = &self.settings;

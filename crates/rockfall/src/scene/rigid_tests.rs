@@ -183,8 +183,8 @@ fn impulses_on_bodies_are_refused_under_a_law_of_grains() {
             [("collisions", "on", "off"), ("collision_friction", "0.5", "0"), ("continuous_collisions", "on", "off")]
         {
             let expected = format!(
-                "{name}: {value} under hertz-mindlin with a rigid body ('bone') is not allowed, expected {instead} (contact forces \
-                 alone), or `set contact_law rigid`: under other laws rigid bodies have no impulses"
+                "{name}: {value} under hertz-mindlin with a rigid body ('bone') is not allowed, expected {instead} (contact \
+                 forces alone), or `set contact_law rigid`: under other laws rigid bodies have no impulses"
             );
             let settings = format!("set {name} {value}\n");
             assert_eq!(refusal("hertz-mindlin", &settings, objects), Some(expected));

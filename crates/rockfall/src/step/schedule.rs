@@ -67,9 +67,10 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and
-    /// 1 for `sort_axis` and `drive_servos`, 0..8 for the digits of a sort, 0..8 for `sweep_collisions`, 1..=8 for `project_networks`
-    /// and `gather_impulses`, else 0. [`EARLY`] is added in passes that compute only the spheres of which other processes have copies.
+    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet,
+    /// 0 and 1 for `sort_axis` and `drive_servos`, 0..8 for the digits of a sort, 0..8 for `sweep_collisions`, 1..=8 for
+    /// `project_networks` and `gather_impulses`, else 0. [`EARLY`] is added in passes that compute only the spheres of which
+    /// other processes have copies.
     pub pass: u32,
     /// The scenes in which the stage is run.
     pub when: When,

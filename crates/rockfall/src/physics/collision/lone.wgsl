@@ -1,6 +1,6 @@
-// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/collision/pushed.wgsl
-// requires physics/contact.wgsl physics/forces/free.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl
-// requires physics/walls.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl
+// requires physics/collision/pushed.wgsl physics/contact.wgsl physics/forces/free.wgsl physics/round_pair.wgsl
+// requires physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics section 3.6). The pair is moved back to the time at
 // which it first touched.

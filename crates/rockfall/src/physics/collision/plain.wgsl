@@ -1,5 +1,5 @@
-// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl
-// requires physics/walls.wgsl
+// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/round_pair.wgsl physics/walls.wgsl
 
 // Contacts of spheres without rods, with each other or with boxes and polygons ("plain" contacts). Nearly all contacts are of
 // this kind. Each side gets the whole impulse, so the general contact of `collision.wgsl` is not needed.

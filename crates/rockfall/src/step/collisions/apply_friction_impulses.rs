@@ -2,8 +2,8 @@
 //! 3.9).
 //!
 //! The limit of a friction impulse is `collision_friction` times the normal impulse of the contact in this step, plus
-//! `coulomb_friction` times the contact force times the time step. The new state of all spheres goes to `Y2`. The stage does nothing in
-//! a rejected step, or when an earlier attempt at the step has done its collisions.
+//! `coulomb_friction` times the contact force times the time step. The new state of all spheres goes to `Y2`. The stage does
+//! nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
 
 use rayon::prelude::*;
 

@@ -46,8 +46,8 @@ fn add_to_capsule(rub: FrictionImpulse, capsule: Capsule, rod: u32, row: u32, ru
     (*rubbed).rolling += grip.rolling;
 }
 
-// The sums for sphere i, or for its capsule if `rod` is not NONE. There is one loop for both, because software drivers compile a
-// copy of `friction_impulse_of` for every call.
+// The sums for sphere i, or for its capsule if `rod` is not NONE. There is one loop for both, because software drivers compile
+// a copy of `friction_impulse_of` for every call.
 fn friction_sums(i: u32, rod: u32, capsule: Capsule) -> FrictionSums {
     var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     var rods = vec2u(0u);
