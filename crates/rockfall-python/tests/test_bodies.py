@@ -138,3 +138,18 @@ def test_impulses_and_forces_act_at_points() -> None:
     with pytest.raises(ValueError, match="points"):
         sim.apply_body_impulses([0, 1], [1, 0, 0], [[0, 0, 0], [0, np.inf, 0]])
     np.testing.assert_allclose(sim.bodies.velocities[0], [0, 0, 2])
+
+
+def test_impulses_on_bodies_need_another_law() -> None:
+    scene = rf.Scene()
+    scene.settings.contact_law = "linear"
+    scene.add_material("stuff", density=1)
+    scene.set_pair("stuff", "stuff", stiffness=1000)
+    scene.add_body(scene.add_shape(rf.Shape().sphere([0, 0, 0], 0.5, material="stuff")), [0, 0, 0])
+    sim = rf.Simulation(scene, backend="cpu")
+    with pytest.raises(ValueError, match="collisions: on under linear with a rigid body is not allowed, expected off"):
+        sim.settings.update(collisions=True)
+    sim.run(1)
+    scene.settings.collision_friction = 0.5
+    with pytest.raises(ValueError, match="collision_friction: 0.5 under linear .* or `set contact_law rigid`"):
+        rf.Simulation(scene, backend="cpu")

@@ -15,10 +15,17 @@ fn check_fails_where_run_refuses() {
     assert!(out.contains("error: ") && out.contains("hertz-mindlin with the integrator rk4"), "{out}");
     let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1 --integrator rk4", 2);
     assert!(err.contains("hertz-mindlin with the integrator rk4"), "{err}");
-    let text = "set continuous_collisions on\n@body b mass=1\nS 1 0 0 0 0 0 0 0 0 0 - 0.1\n@end\n@place b at=0,0,0\n";
-    let (_, err) = Rockfall::with(text).run("run scene.txt --backend cpu --steps 1", 2);
-    let expected = "expected off: contacts of rigid bodies are found at the ends of steps only";
+    let body = "@material a density=1\n@pair a a stiffness=1e3\n@use a\n@body b\nS 1 0 0 0 0 0 0 0 0 0 - 0.1\n@end\n\
+                @place b at=0,0,0\n";
+    let text = format!("set contact_law linear\nset collisions on\n{body}");
+    let (_, err) = Rockfall::with(&text).run("run scene.txt --backend cpu --steps 1", 2);
+    let expected = "collisions: on under linear with a rigid body ('b') is not allowed, expected off (contact forces \
+                    alone), or `set contact_law rigid`";
     assert!(err.contains(expected), "{err}");
+    assert!(checked(&text, "", 2).contains(expected));
+    for text in [format!("set contact_law linear\n{body}"), format!("set continuous_collisions on\n{body}")] {
+        Rockfall::with(&text).run("run scene.txt --backend cpu --steps 1", 0);
+    }
 }
 
 #[test]

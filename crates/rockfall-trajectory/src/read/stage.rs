@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::io;
 
-use rockfall::{Error, Inlet, Placement, Radii, Result, Scene, ShapeId, Simulation, Sphere, SphereId};
+use rockfall::{Error, GrainKind, Placement, Radii, Result, Scene, ShapeId, Simulation, Sphere, SphereId};
 
 use super::npz::{Cast, Gone};
 use super::{States, unusable};
@@ -127,7 +127,7 @@ fn kinds(mut scene: Scene) -> Vec<Kind> {
 /// Adds a body that the last state has not. Returns its spheres.
 fn add_body(scene: &mut Scene, shape: ShapeId) -> Result<Vec<SphereId>> {
     let id = scene.add_body(Placement::new(shape))?;
-    let tag = scene.inlets().iter().find(|inlet| inlet.shape == Some(shape)).map(|inlet| inlet.tag.clone());
+    let tag = coming(scene).find(|kind| kind.shape == Some(shape)).map(|kind| kind.tag.clone());
     if let Some(tag) = tag {
         scene.set_tag(id, tag)?;
     }
@@ -139,21 +139,26 @@ fn add(scene: &mut Scene, gone: &Gone) -> Result<SphereId> {
     let Gone { radius, mass, is_fixed } = *gone;
     let mut sphere = Sphere::new([0.0; 3], radius);
     (sphere.mass, sphere.fixed) = (mass, is_fixed);
-    let inlet = scene.inlets().iter().find(|inlet| inlet.shape.is_none() && lets_in(inlet, f64::from(radius))).cloned();
-    if let Some(inlet) = &inlet {
-        (sphere.group, sphere.material) = (inlet.group, inlet.material);
+    let kind = coming(scene).find(|kind| kind.shape.is_none() && has_radius(kind, f64::from(radius))).cloned();
+    if let Some(kind) = &kind {
+        (sphere.group, sphere.material) = (kind.group, kind.material);
     }
     let id = scene.add_sphere(sphere)?;
-    if let Some(inlet) = inlet {
-        scene.set_tag(id, inlet.tag)?;
+    if let Some(kind) = kind {
+        scene.set_tag(id, kind.tag)?;
     }
     Ok(id)
 }
 
-/// Whether spheres of a radius come in through an inlet.
-fn lets_in(inlet: &Inlet, radius: f64) -> bool {
+/// What the inlets of a scene let in.
+fn coming(scene: &Scene) -> impl Iterator<Item = &GrainKind> {
+    scene.inlets().iter().flat_map(|inlet| &inlet.kinds).map(|(kind, _)| kind)
+}
+
+/// Whether spheres of a kind may have a radius.
+fn has_radius(kind: &GrainKind, radius: f64) -> bool {
     let is_in = |from: f64, to: f64| (from * (1.0 - 1e-6)..=to * (1.0 + 1e-6)).contains(&radius);
-    match inlet.radii {
+    match kind.radii {
         Radii::Equal(equal) => is_in(equal, equal),
         Radii::Uniform(from, to) => is_in(from, to),
         _ => true,

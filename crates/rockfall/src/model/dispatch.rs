@@ -40,7 +40,7 @@ pub enum Threads {
     Batches,
     /// A workgroup per network of fixed-length rods.
     Networks,
-    /// A workgroup per large sphere, or a thread per sphere in scenes with rigid bodies, which have no large spheres.
+    /// A workgroup per large sphere.
     Gathered,
     /// Workgroups that loop over the listed collisions. Only the device knows how many collisions there are.
     Collisions,
@@ -73,7 +73,6 @@ impl Threads {
             Self::Rods => step.layout.rods.div_ceil(WORKGROUP),
             Self::Batches => step.layout.batches,
             Self::Networks => step.layout.networks,
-            Self::Gathered if step.layout.rigid_bodies > 0 => step.layout.spheres.div_ceil(WORKGROUP),
             Self::Gathered => step.layout.large,
             Self::Collisions => step.layout.collision_room.div_ceil(WORKGROUP).min(MAX_COLLISION_WORKGROUPS),
             Self::Blocks => step.layout.cells / CELL_BLOCK,

@@ -1,6 +1,6 @@
-//! The impulses that the collision phase of the CPU backend applies at contacts, and what they do to rigid bodies.
+//! The impulses that the collision phase of the CPU backend applies at contacts.
 
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// Insertion indices of A and B, and the feature.
 pub(crate) type Key = (u32, u32, u32);
@@ -13,22 +13,4 @@ pub struct Impulse {
     pub(crate) size: f32,
     /// Unit vector.
     pub(crate) direction: Vec3,
-}
-
-/// The changes of a rigid body by the impulses of the collision phase.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BodyPush {
-    pub(crate) body: u32,
-    pub(crate) velocity: Vec3,
-    pub(crate) angular_momentum: Vec3,
-    /// By a lone collision, which acts before the present.
-    pub(crate) moved: Option<BodyMove>,
-}
-
-/// Where a rigid body is because an impulse has acted on it before the present.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BodyMove {
-    /// Displacement of its centre of mass.
-    pub(crate) by: Vec3,
-    pub(crate) orientation: Quat,
 }

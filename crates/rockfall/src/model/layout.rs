@@ -34,10 +34,8 @@ constants! {
     /// Words of a rigid body: centre x, y, z of the state that forces are evaluated in; inverse mass; tensor of the inverse inertia in that
     /// state, xx, yy, zz, xy, xz, yz; greatest inverse moment of inertia; first word of its shape; first word of its members, which are
     /// insertion indices of spheres; their number; orientation in that state x, y, z, w; greatest distance of a point of a sphere from the
-    /// centre; number of pressed contacts that touch the body, which `push_bodies` counts for the friction impulses.
-    pub const RIGID_WORDS: u32 = 20;
-    /// Place of that number.
-    pub const RIGID_PRESSED: u32 = 19;
+    /// centre.
+    pub const RIGID_WORDS: u32 = 19;
     /// Words of a box of a shape: half its edges x, y, z, the rotation from its edges to the coordinates of the shape
     /// x, y, z, w. No stage reads them, only the viewer.
     pub const SHAPE_BOX_WORDS: u32 = 7;
@@ -49,11 +47,11 @@ constants! {
     pub const SHAPE_WORDS: u32 = 8;
     /// Body of a sphere that belongs to no rigid body.
     pub const NO_RIGID: u32 = u32::MAX;
-    /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation. The
-    /// last one has the residues of velocity and angular momentum. The others are scratch.
-    pub const RIGID_ROWS: u32 = 13;
+    /// Vectors of a rigid body: position, low part of the position, velocity, angular momentum, orientation, and the residues
+    /// of velocity and angular momentum. The others are scratch.
+    pub const RIGID_ROWS: u32 = 12;
     /// Row of a rigid body with its residues.
-    pub const RESIDUE_ROW: u32 = 12;
+    pub const RESIDUE_ROW: u32 = 5;
     /// First row of a rigid body with the state after the drift of velocity Verlet: velocity, angular momentum, orientation,
     /// position and its low part.
     pub const STAGE_ROW: u32 = 7;
@@ -67,12 +65,6 @@ constants! {
     pub const AFTER_EULER: u32 = 6;
     /// Pass of `move_bodies` at the start of a step, in which no body moves.
     pub const BEFORE_STEP: u32 = 7;
-    /// Pass of `move_bodies` after the phase of collisions, in which `push_bodies` may have changed bodies.
-    pub const AFTER_COLLISIONS: u32 = 8;
-    /// Pass of `push_bodies` that applies friction impulses.
-    pub const RUBBED: u32 = 1;
-    /// Row of a rigid body whose last word is 1 between `push_bodies`, which has changed the body, and [`AFTER_COLLISIONS`].
-    pub const PUSHED_ROW: u32 = 5;
     /// An adjacency word is `kind << KIND_SHIFT | index`. The words of a sphere are sorted, so its rods come first.
     pub const KIND_SHIFT: u32 = 30;
     /// Adjacency kind: a rod that ends in the sphere.

@@ -24,12 +24,6 @@ impl Moments {
         self.middle * momentum + (part(0) + part(1) + part(2))
     }
 
-    /// The angular momentum of a body with this orientation and this angular velocity.
-    pub(crate) fn momentum(&self, orientation: Quat, spin: Vec3) -> Vec3 {
-        let along = Mat3::from_quat(product(orientation, self.axes));
-        (0..3).map(|k| along.col(k).dot(spin) / (self.middle + self.excess[k]) * along.col(k)).sum()
-    }
-
     /// The tensor of the inverse inertia in the coordinates of the scene: xx, yy, zz, xy, xz, yz.
     pub(crate) fn inverse_inertia(&self, orientation: Quat) -> [f32; 6] {
         let along = Mat3::from_quat(product(orientation, self.axes));

@@ -61,7 +61,7 @@ pub struct Traits {
     pub collisions: bool,
     /// Contacts that begin and end within a step are handled.
     pub continuous: bool,
-    /// Contacts get friction impulses.
+    /// Contacts get friction impulses. They never do in scenes with rigid bodies.
     pub friction_impulses: bool,
     /// There are so many objects that a sort key of `find_neighbours` has no room for more than an insertion index.
     pub many: bool,
@@ -104,9 +104,8 @@ impl Step {
             cohesion: has(FLAG_COHESION),
             collisions: has(FLAG_COLLISIONS),
             continuous: has(FLAG_CONTINUOUS),
-            friction_impulses: constants.coulomb_friction > 0.0
-                || constants.collision_friction > 0.0
-                || has(FLAG_PAIR_FRICTION),
+            friction_impulses: layout.rigid_bodies == 0
+                && (constants.coulomb_friction > 0.0 || constants.collision_friction > 0.0 || has(FLAG_PAIR_FRICTION)),
             many: self.objects() >= MANY_OBJECTS,
             in_insertion_order: layout.insertion_indices_at == 0,
         }

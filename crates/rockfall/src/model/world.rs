@@ -15,7 +15,7 @@ use bytemuck::{bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use glam::{Vec2, Vec4};
 
 use crate::model::buffer::Buffer;
-use crate::model::impulse::{BodyPush, Impulse};
+use crate::model::impulse::Impulse;
 use crate::model::layout::{
     FLAG_VERLET, HISTORY_BLOCK, HISTORY_WORDS, LAW_THESIS, LINE, NO_KEY, SERVO_ROWS, SLICE, words_of_rows,
 };
@@ -48,8 +48,6 @@ pub struct World {
     pub lists: Vec<u32>,
     /// Impulses of the collision phase. Scratch of the CPU backend, without a buffer on the device.
     pub impulses: Vec<Impulse>,
-    /// What the impulses do to rigid bodies, until `push_bodies` has applied it. Scratch of the CPU backend, like `impulses`.
-    pub pushes: Vec<BodyPush>,
     /// `4 * rods`: force and torque on end 1, force and torque on end 2. For laws with history, then `2 * spheres`: force and
     /// torque of contacts.
     pub wrenches: Vec<Vec4>,

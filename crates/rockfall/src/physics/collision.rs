@@ -11,7 +11,6 @@ pub(crate) mod crossing;
 mod lone;
 mod networks;
 mod pair;
-mod turning;
 
 use glam::Vec3;
 
@@ -19,7 +18,6 @@ use crate::model::impulse::Key;
 use crate::model::view::{Object, View};
 use crate::physics::chain::touch;
 use crate::physics::contact::{collision_velocity, smaller_radius};
-use crate::physics::rigid::{lever, velocity_of};
 use crate::physics::side::Side;
 use crate::physics::sides::{sides, wall_of};
 use crate::physics::touch::ROUNDING;
@@ -65,12 +63,6 @@ impl Collision {
     fn add_side(&mut self, view: &View, at: &impl Motions, id: u32, parameter: f32, sign: f32) {
         let n = self.touch.normal;
         let object = view.object(id);
-        if let Some(body) = view.body_of(object) {
-            let record = at.rigid_body(view, body);
-            self.approach -= sign * n.dot(velocity_of(view, at, object, parameter));
-            let lever = lever(view, at, &record, object, parameter);
-            return self.add(Part::of_rigid(body, &record, lever.cross(n), sign));
-        }
         let capsule = match object {
             Object::Sphere(sphere) => view.capsule_of(sphere),
             Object::Rod(rod) => view.is_capsule(rod).then_some(rod),

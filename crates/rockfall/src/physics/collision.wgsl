@@ -1,16 +1,14 @@
-// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/quaternion.wgsl
-// requires physics/round_pair.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl physics/scale.wgsl
-// requires physics/walls.wgsl step/collisions/rows.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/round_pair.wgsl
+// requires physics/scale.wgsl physics/walls.wgsl step/collisions/rows.wgsl
 
 // The two sides of a contact in the collision phase: their kind, velocity along the normal and inverse mass
 // (docs/physics sections 3.2 and 3.3).
 
-// Kinds of sides: a box or polygon; a sphere; a rod of free length or of a network; a rigid capsule; a sphere or rod of a rigid body.
+// Kinds of sides: a box or polygon; a sphere; a rod of free length or of a network; a rigid capsule.
 const STATIC: u32 = 0u;
 const SPHERE: u32 = 1u;
 const ROD: u32 = 2u;
 const CAPSULE: u32 = 3u;
-const BODY: u32 = 4u;
 
 // One side of a contact.
 struct ContactSide {
@@ -42,23 +40,10 @@ struct SideMotion {
     x2: vec3f,
     v1: vec3f,
     v2: vec3f,
-    // Of a rigid body: the centre of mass, and the rotation from the present orientation to this one.
-    centre: vec3f,
-    turn: vec4f,
 }
-
-const NO_TURN: vec4f = vec4f(0.0, 0.0, 0.0, 1.0);
 
 // The side of an object.
 fn contact_side(id: u32, at: f32) -> ContactSide {
-    if RIGID_BODIES {
-        if rigid_body_of(id) != NO_RIGID {
-            if RODS & (id >= step.spheres) {
-                return ContactSide(BODY, id, rod_ends(id - step.spheres), at);
-            }
-            return ContactSide(BODY, id, vec2u(id), 0.0);
-        }
-    }
     if id < step.spheres {
         if RODS {
             let rod = capsule_with(id);
@@ -90,18 +75,13 @@ fn origin_of(a: ContactSide) -> u32 {
 // The motion of a side, with positions as seen from a sphere (`place_from`). The velocity of a fixed end of a rod counts as 0, because
 // the motion of its surface does not move the rod.
 fn side_motion_from(half: ContactSide, origin: u32) -> SideMotion {
-    var poise = SideMotion(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), NO_TURN);
+    var poise = SideMotion(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
     if half.kind == STATIC {
         return poise;
     }
     let v1 = state[velocity_at(half.spheres.x)];
     poise.x1 = place_from(origin, half.spheres.x);
     poise.v1 = v1.xyz;
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            poise.centre = poise.x1 - lever_on_body(rigid_record(rigid_body_of(half.id)), half.spheres.x, 0.0);
-        }
-    }
     if !RODS | (half.kind == SPHERE) {
         return poise;
     }
@@ -156,36 +136,11 @@ fn torque_at(capsule: Capsule, at: f32, n: vec3f) -> vec3f {
     return (at - capsule.centre) * cross(capsule.d, n);
 }
 
-// How an impulse along n acts on the rigid body of a side (docs/physics section 3.11).
-struct Hold {
-    record: u32,
-    // Torque of a unit impulse about the centre of mass, and the angular velocity that it causes.
-    torque: vec3f,
-    turning: vec3f,
-    inverse_mass: f32,
-}
-
-// `poise` is the motion of the side, now or at an earlier time.
-fn hold_of(half: ContactSide, poise: SideMotion, n: vec3f) -> Hold {
-    let record = rigid_record(rigid_body_of(half.id));
-    let torque = cross(mix(poise.x1, poise.x2, half.at) - poise.centre, n);
-    // The record has the present inertia.
-    let now = turned_vector(vec4f(-poise.turn.xyz, poise.turn.w), torque);
-    let turning = turned_vector(poise.turn, by_inverse_inertia(record, now));
-    return Hold(record, torque, turning, float_at(record + 3u) + dot(torque, turning));
-}
-
 // Velocity of a side along n, and its inverse mass for an impulse along n. On a network both are the values before the
 // projection.
 fn response(half: ContactSide, poise: SideMotion, n: vec3f) -> vec2f {
     if half.kind == STATIC {
         return vec2f(dot(poise.v1, n), 0.0);
-    }
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            let hold = hold_of(half, poise, n);
-            return vec2f(dot(mix(poise.v1, poise.v2, half.at), n), hold.inverse_mass);
-        }
     }
     if !RODS | (half.kind == SPHERE) {
         return vec2f(dot(poise.v1, n), inverse_mass(half.spheres.x));

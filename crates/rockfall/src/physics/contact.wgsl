@@ -1,6 +1,6 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl
 // requires physics/fine.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/period.wgsl
-// requires physics/walls.wgsl physics/rigid_parts.wgsl
+// requires physics/walls.wgsl
 
 // The contact law (docs/physics section 4), and functions that search the pair lists.
 
@@ -311,7 +311,7 @@ fn slip_of(a_side: Side, b_side: Side, arms: vec2f, n: vec3f, approach: f32) -> 
 fn has_force(overlap: f32, approach: f32, radius: f32, a: u32, b: u32) -> bool {
     let threshold = collision_velocity(radius, a, b);
     let fresh = (approach > threshold) & (overlap < 2.0 * approach * step.dt);
-    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold)) | has_forces_alone(a, b);
+    return ((step.flags & FLAG_COLLISIONS) == 0u) | !(fresh | (approach < -threshold));
 }
 
 // Repulsion and damping per reduced mass: (2.18, 2.19).

@@ -72,7 +72,7 @@ pub(crate) fn rates_of(view: &View, sphere: u32, load: &Load) -> Rates {
 }
 
 /// Acceleration of a moving sphere by everything but contacts and damping: gravity, springs, tethers, external forces and forces of
-/// the program. For a sphere of a rigid body, it is that by the accelerations of the body (docs/physics section 3.11).
+/// the program. For a sphere of a rigid body, it is that by the accelerations of the body (docs/physics section 3.1).
 pub(crate) fn free_acceleration(view: &View, sphere: u32) -> Vec3 {
     let gravity = Vec3::from_array(view.step.constants.gravity);
     let Some(body) = view.body_of_sphere(sphere) else { return gravity + free_rates(view, sphere).acceleration };

@@ -36,16 +36,6 @@ fn spin_of_body(orientation: vec4f, moments: Moments, momentum: vec3f) -> vec3f 
     return spin;
 }
 
-// The angular momentum of a body with this orientation and this angular velocity.
-fn momentum_of_body(orientation: vec4f, moments: Moments, spin: vec3f) -> vec3f {
-    var momentum = vec3f(0.0);
-    for (var k = 0u; k < 3u; k++) {
-        let axis = principal_axis(orientation, moments, k);
-        momentum += dot(axis, spin) / (moments.middle + moments.excess[k]) * axis;
-    }
-    return momentum;
-}
-
 // Phi: the orientation after a free rotation for a time.
 fn freely_turned(before: vec4f, moments: Moments, momentum: vec3f, time: f32) -> vec4f {
     var q = multiply(turn_about(time * moments.middle * momentum), before);

@@ -12,12 +12,11 @@ use crate::model::layout::ENTRY_OVERLAPS;
 use crate::model::layout::GRAIN;
 use crate::model::lists::{Entry, Lists};
 use crate::model::state::Motion;
-use crate::model::view::{Object, RigidRecord, View};
+use crate::model::view::{Object, View};
 use crate::physics::collision::all::impulse_in;
-use crate::physics::collision::body::{Body, Capsule, member_rows, sphere_rows};
+use crate::physics::collision::body::{Body, Capsule, sphere_rows};
 use crate::physics::contact::{Approach, Sides, Slip, Touches, arms, normal_forces};
 use crate::physics::pairs::Surface;
-use crate::physics::rigid::lever;
 use crate::physics::sides::sides;
 use crate::physics::touch::{Touch, present_line};
 
@@ -57,13 +56,11 @@ impl<'a> FrictionImpulses<'a> {
         Self { view, lists, impulses, pressed }
     }
 
-    /// Returns the state of a sphere after the friction impulses of all its contacts. For a sphere of a rigid body, the velocity and the
-    /// angular momentum are instead the sums of the impulses and of their torques on the body, by the contacts in the rows of the sphere.
+    /// Returns the state of a sphere after the friction impulses of all its contacts.
     pub(crate) fn rubbed(&self, sphere: u32) -> Motion {
         let before = Motion::of(self.view, sphere);
         match Body::of(self.view, sphere) {
             None => before,
-            Some(Body::Rigid(body)) => self.push_on_body(before, sphere, body),
             Some(Body::Capsule(rod)) => self.end_after_friction(before, sphere, rod),
             Some(_) => self.sphere_after_friction(before, sphere),
         }
@@ -111,21 +108,6 @@ impl<'a> FrictionImpulses<'a> {
         }
     }
 
-    /// Sums the impulses in the rows of a sphere of a rigid body, and their torques about the centre of the body.
-    fn push_on_body(&self, before: Motion, sphere: u32, body: u32) -> Motion {
-        let view = self.view;
-        let record = view.rigid_body(body);
-        let mut sums = Motion { velocity: Vec3::ZERO, angular_momentum: Vec3::ZERO, ..before };
-        for row in member_rows(view, body, sphere) {
-            for friction in pressed(self.lists, row).filter_map(|entry| self.friction_impulse(row, entry)) {
-                let [impulse, torque] = friction.push_on_body(view, row, &record);
-                sums.velocity += impulse;
-                sums.angular_momentum += torque;
-            }
-        }
-        sums
-    }
-
     /// Returns the friction impulse of a pressed contact, or `None` when it has none.
     fn friction_impulse(&self, row: u32, entry: Entry) -> Option<FrictionImpulse> {
         let view = self.view;
@@ -160,11 +142,6 @@ impl<'a> FrictionImpulses<'a> {
     fn slip_inverse_mass(&self, unit: &FrictionImpulse) -> f32 {
         let view = self.view;
         let of_side = |id: u32| {
-            if let Some(body) = view.body_of(view.object(id)) {
-                let record = view.rigid_body(body);
-                let [_, torque] = unit.push_on_body(view, id, &record);
-                return record.pressed as f32 * (record.inverse_mass + record.by_inverse_inertia(torque));
-            }
             let load = unit.load(view, id, unit.impulse);
             let single = |sphere: u32, share: f32| {
                 let arm = if id == unit.a { unit.arms[0] } else { unit.arms[1] };
@@ -219,12 +196,6 @@ impl FrictionImpulse {
         };
         Load { at, impulse, torque }
     }
-
-    /// Returns the impulse on the rigid body of object `id`, which is A or B, and its torque about the centre of the body.
-    fn push_on_body(&self, view: &View, id: u32, body: &RigidRecord) -> [Vec3; 2] {
-        let Load { at, impulse, torque } = self.load(view, id, self.impulse);
-        [impulse, lever(view, view, body, view.object(id), at).cross(impulse) + torque]
-    }
 }
 
 /// Returns the torque on a capsule about its centre of mass: the part across its axis and the part along it.
@@ -235,6 +206,6 @@ fn capsule_torques(capsule: &Capsule, load: &Load) -> (Vec3, Vec3) {
 }
 
 /// The pressed contacts in the list of a mover.
-pub(crate) fn pressed<'a>(lists: &Lists<'a>, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
+fn pressed<'a>(lists: &Lists<'a>, mover: u32) -> impl Iterator<Item = Entry> + use<'a> {
     lists.row(mover).filter(|entry| entry.word & ENTRY_OVERLAPS != 0)
 }

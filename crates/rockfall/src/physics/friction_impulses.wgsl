@@ -1,7 +1,5 @@
 // requires model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/contact.wgsl physics/collision/pressed.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl
-// requires physics/rigid_parts.wgsl physics/rigid_side.wgsl
-// requires physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
+// requires physics/contact.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl step/collisions/record_of.wgsl
 // requires step/collisions/records.wgsl
 
 // Friction impulses of pressed contacts (docs/physics section 3.9). The impulse of a contact counts every body as if it were
@@ -16,9 +14,17 @@ struct FrictionImpulse {
     // Parameters of the contact on A and B.
     at: vec2f,
     a_id: u32,
-    // Levers of the contact on the rigid bodies of A and B.
-    lever_a: vec3f,
-    lever_b: vec3f,
+}
+
+// Number of pressed contacts in the list of a mover.
+fn pressed_in(row: u32) -> u32 {
+    let count = count_of(row);
+    let first = first_of(row);
+    var found = 0u;
+    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
+        found += countOneBits(entries_with(ENTRY_OVERLAPS, first, begin, count));
+    }
+    return found;
 }
 
 // Number of pressed contacts that touch a sphere or a rod that ends in it.
@@ -37,17 +43,6 @@ fn pressed_on(sphere: u32) -> f32 {
 fn pressed_on_capsule(rod: u32) -> f32 {
     let ends = rod_ends(rod);
     return f32(pressed_in(ends.x) + pressed_in(ends.y) + pressed_in(step.spheres + rod));
-}
-
-// The lever of a contact on the rigid body that an object is a part of.
-fn friction_lever(half: ContactSide) -> vec3f {
-    if !RIGID_BODIES {
-        return vec3f(0.0);
-    }
-    if half.kind != BODY {
-        return vec3f(0.0);
-    }
-    return lever_on_body(rigid_record(rigid_body_of(half.id)), half.id, half.at);
 }
 
 fn friction_side(half: ContactSide) -> Side {
@@ -90,23 +85,11 @@ fn slip_inverse_mass_of_sphere(sphere: u32, part: f32, arm: f32) -> f32 {
     return pressed_on(sphere) * part * part * (w + arm * arm * state[momentum_at(sphere)].w);
 }
 
-// Tangential inverse mass through a rigid body. The contact has this lever on it. The impulse is p, its torque at its arm is `own_torque`.
-fn slip_inverse_mass_of_body(body: u32, lever: vec3f, p: vec3f, own_torque: vec3f) -> f32 {
-    let record = rigid_record(body);
-    let torque = cross(lever, p) + own_torque;
-    return f32(topology[record + RIGID_PRESSED]) * (float_at(record + 3u) + dot(torque, by_inverse_inertia(record, torque)));
-}
-
 // Tangential inverse mass through one side. The unit impulse on A is p, the one on B is -p. The torque per arm is the same on
 // both.
-fn slip_inverse_mass_of(half: ContactSide, lever: vec3f, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
+fn slip_inverse_mass_of(half: ContactSide, n: vec3f, p: vec3f, arm: f32, is_a: bool) -> f32 {
     if half.kind == STATIC {
         return 0.0;
-    }
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            return slip_inverse_mass_of_body(rigid_body_of(half.id), lever, select(-p, p, is_a), arm * cross(n, p));
-        }
     }
     if !RODS | (half.kind == SPHERE) {
         return slip_inverse_mass_of_sphere(half.spheres.x, 1.0, arm);
@@ -154,7 +137,7 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
     let b_poise = side_motion_from(b, origin_of(a));
     let by_vertex = meets_by_vertex(a, b, a_poise, entry_feature(entry));
     let found = signed_touch(a, b, a_poise, b_poise, entry_feature(entry), by_vertex);
-    var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x, vec3f(0.0), vec3f(0.0));
+    var friction = FrictionImpulse(vec3f(0.0), found.n, vec2f(0.0), vec2f(found.a, found.b), pair.x);
     if found.overlap == NO_CONTACT_LINE {
         return friction;
     }
@@ -163,8 +146,8 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
         b.at = select(b.at, found.b, (b.id >= step.spheres) & (b.kind != STATIC));
     }
     let b_moves = pair.y < step.spheres + step.rods;
-    let a_side = in_body(friction_side(a), pair.x, a.at, found);
-    let b_side = in_body(moving_side(friction_side(b), pair.x, pair.y, found), pair.y, b.at, found);
+    let a_side = friction_side(a);
+    let b_side = moving_side(friction_side(b), pair.x, pair.y, found);
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
     friction.arms = arms_of(a_side, b_side, found.overlap, b_moves);
     let t = slip_of(a_side, b_side, friction.arms, found.n, approach);
@@ -174,11 +157,9 @@ fn friction_impulse_of(row: u32, slot: vec2u) -> FrictionImpulse {
         return friction;
     }
     let p = t / speed;
-    friction.lever_a = friction_lever(a);
-    friction.lever_b = friction_lever(b);
     // Gt of docs/physics section 3.9.
-    let gt = slip_inverse_mass_of(a, friction.lever_a, found.n, p, friction.arms.x, true)
-        + slip_inverse_mass_of(b, friction.lever_b, found.n, p, friction.arms.y, false);
+    let gt = slip_inverse_mass_of(a, found.n, p, friction.arms.x, true)
+        + slip_inverse_mass_of(b, found.n, p, friction.arms.y, false);
     friction.impulse = min(limit, speed / gt) * p;
     return friction;
 }

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use crate::fine::Fine;
 use crate::model::period::Periods;
-use crate::model::view::{BoxRecord, PolygonRecord, RigidRecord, RodRecord, TINY, View};
+use crate::model::view::{BoxRecord, PolygonRecord, RodRecord, TINY, View};
 use crate::physics::fine_geometry::{fine_box, fine_polygon, fine_spheres};
 use crate::physics::geometry::{point_box, point_polygon};
 
@@ -21,11 +21,6 @@ pub(crate) trait Motions {
 
     /// The periods of the scene.
     fn periods(&self) -> Option<Periods>;
-
-    /// A rigid body in this state. `view` has the present one.
-    fn rigid_body(&self, view: &View, body: u32) -> RigidRecord {
-        view.rigid_body(body)
-    }
 
     /// The position, with its low part where positions have one.
     fn place(&self, sphere: u32) -> Fine {

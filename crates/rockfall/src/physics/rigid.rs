@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::model::layout::LAW_HERTZ_MINDLIN;
 use crate::model::view::{Object, RigidRecord, View};
-use crate::physics::motions::{Motions, Touch};
+use crate::physics::motions::Touch;
 use crate::physics::side::{Side, side};
 use crate::rotate::rotated;
 
@@ -20,7 +20,7 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, touch: &
     let side = side(view, object, parameter);
     let Some((body, radius)) = view.body_of(object).zip(side.radius) else { return side };
     let body = view.rigid_body(body);
-    let lever = lever(view, view, &body, object, parameter);
+    let lever = lever(view, &body, object, parameter);
     let across = lever.cross(touch.normal);
     let reach = 1.0 + lever.length() / radius;
     Side {
@@ -30,26 +30,16 @@ pub(crate) fn side_in_body(view: &View, object: Object, parameter: f32, touch: &
     }
 }
 
-/// The lever of a contact on a rigid body in the state `at`: from the centre of the body to that of the sphere, or to the point of the axis
-/// of the rod at a parameter.
-pub(crate) fn lever(view: &View, at: &impl Motions, body: &RigidRecord, object: Object, parameter: f32) -> Vec3 {
-    mixed(view, object, parameter, |sphere| at.position(sphere)).map_or(Vec3::ZERO, |point| point - body.centre)
-}
-
-/// Velocity of the centre of a sphere, or of the point of the axis of a rod at a parameter, in the state `at`.
-pub(crate) fn velocity_of(view: &View, at: &impl Motions, object: Object, parameter: f32) -> Vec3 {
-    mixed(view, object, parameter, |sphere| at.velocity(sphere)).unwrap_or_default()
-}
-
-/// A vector of a sphere, or that of a point of the axis of a rod, from those of its ends.
-fn mixed(view: &View, object: Object, parameter: f32, of: impl Fn(u32) -> Vec3) -> Option<Vec3> {
+/// The lever of a contact on a rigid body: from the centre of the body to that of the sphere, or to the point of the axis of
+/// the rod at a parameter.
+fn lever(view: &View, body: &RigidRecord, object: Object, parameter: f32) -> Vec3 {
     match object {
+        Object::Sphere(sphere) => view.position(sphere) - body.centre,
         Object::Rod(rod) => {
-            let [one, two] = view.rod(rod).ends.map(of);
-            Some(one.lerp(two, parameter))
+            let [one, two] = view.rod(rod).ends.map(|end| view.position(end));
+            one.lerp(two, parameter) - body.centre
         }
-        Object::Sphere(sphere) => Some(of(sphere)),
-        Object::Cuboid(_) | Object::Polygon(_) => None,
+        Object::Cuboid(_) | Object::Polygon(_) => Vec3::ZERO,
     }
 }
 

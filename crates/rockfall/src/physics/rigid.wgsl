@@ -11,14 +11,6 @@ fn is_free(sphere: u32) -> bool {
     return body_of_sphere(sphere) == NO_RIGID;
 }
 
-// Whether one of two objects is a part of a rigid body.
-fn touches_body(a: u32, b: u32) -> bool {
-    if !RIGID_BODIES {
-        return false;
-    }
-    return (rigid_body_of(a) != NO_RIGID) | (rigid_body_of(b) != NO_RIGID);
-}
-
 // A vector times the tensor of the inverse inertia.
 fn by_inverse_inertia(record: u32, v: vec3f) -> vec3f {
     let diagonal = vector_at(record + 4u);

@@ -24,27 +24,6 @@ fn rigid_body_of(id: u32) -> u32 {
     return NO_RIGID;
 }
 
-// Whether all contacts of an object exert forces alone: it is a rod that ends in a rigid body and does not belong to it.
-fn is_forced(id: u32) -> bool {
-    if RODS & (id - step.spheres < step.rods) {
-        let at = step.rods_at + (id - step.spheres) * ROD_WORDS;
-        let ends_in_body = (body_of_sphere(topology[at]) != NO_RIGID) | (body_of_sphere(topology[at + 1u]) != NO_RIGID);
-        return ends_in_body & (rigid_body_of(id) == NO_RIGID);
-    }
-    return false;
-}
-
-// Whether the contact of two objects exerts forces and gets no impulses (docs/physics section 4.16).
-fn has_forces_alone(a: u32, b: u32) -> bool {
-    if !RIGID_BODIES {
-        return false;
-    }
-    if is_forced(a) {
-        return true;
-    }
-    return is_forced(b);
-}
-
 // Whether two objects never touch because they are parts of one rigid body.
 fn never_meet(a: u32, b: u32) -> bool {
     if !RIGID_BODIES {

@@ -29,10 +29,6 @@ pub(crate) fn sides(view: &View, [a, b]: [u32; 2], touch: &Touch) -> [Side; 2] {
             }
         }
     };
-    if view.has_forces_alone([a, b].map(|id| view.object(id))) {
-        // It exerts a force at any approach velocity.
-        return [of_a, of_b].map(|side| Side { free_acceleration: f32::INFINITY, ..side });
-    }
     [of_a, of_b]
 }
 

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
 use crate::scene::restitution::damping_for;
-use crate::scene::{Body, CohesionModel, Inlet, Material, RigidBody, RollingModel, Scene};
+use crate::scene::{Body, CohesionModel, Inlet, Material, RigidBody, RollingModel, Scene, Shape, ShapeId};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
 /// Ratio of the tangential to the normal stiffness in the law `linear`.
@@ -27,6 +27,11 @@ impl Dampings {
         self.0.push((restitution, damping));
         damping
     }
+}
+
+/// The name of a shape in brackets, if it has one.
+fn called(shape: &Shape) -> String {
+    shape.name.as_deref().map_or(String::new(), |name| format!(" ({})", quoted(name)))
 }
 
 impl Scene {
@@ -113,14 +118,18 @@ impl Scene {
         Ok(())
     }
 
+    /// The shapes of the placed bodies and of the inlets.
+    fn placed_shapes(&self) -> impl Iterator<Item = ShapeId> {
+        self.bodies().iter().map(|body| body.shape).chain(self.inlets().iter().flat_map(Inlet::shapes))
+    }
+
     /// Checks that the contact law moves the shapes of the placed bodies and of the inlets.
     fn check_shapes_of_law(&self) -> Result<()> {
         let law = self.contact_law();
         if law == ContactLaw::Rigid {
             return Ok(());
         }
-        let placed = self.bodies().iter().map(|body| body.shape).chain(self.inlets().iter().flat_map(Inlet::shapes));
-        for id in placed {
+        for id in self.placed_shapes() {
             let shape = self.shapes.get(id)?;
             let (with, expected) = match law {
                 _ if !shape.hulls.is_empty() => ("a hull", "rigid: hulls need `set contact_law rigid`"),
@@ -130,10 +139,32 @@ impl Scene {
                 }
                 _ => continue,
             };
-            let called = shape.name.as_deref().map_or(String::new(), |name| format!(" ({})", quoted(name)));
-            return Err(Error::Invalid { field: "contact_law", value: format!("{law} with {with}{called}"), expected });
+            return Err(Error::Invalid {
+                field: "contact_law",
+                value: format!("{law} with {with}{}", called(shape)),
+                expected,
+            });
         }
+        self.check_impulses_of_bodies()?;
         self.check_loads()
+    }
+
+    /// Checks that no setting asks for impulses on the rigid bodies of a scene: under a law of grains they have contact forces
+    /// alone.
+    fn check_impulses_of_bodies(&self) -> Result<()> {
+        let Some(id) = self.placed_shapes().next() else { return Ok(()) };
+        let settings = &self.settings;
+        let off = "off (contact forces alone), or `set contact_law rigid`: under other laws rigid bodies have no impulses";
+        let zero = "0 (contact forces alone), or `set contact_law rigid`: under other laws rigid bodies have no impulses";
+        let asked = [
+            ("collisions", settings.collisions, off),
+            ("collision_friction", settings.collision_friction > 0.0, zero),
+            ("continuous_collisions", settings.continuous_collisions, off),
+        ];
+        let Some((field, _, expected)) = asked.into_iter().find(|asked| asked.1) else { return Ok(()) };
+        let (value, shape) = (settings.get(field).unwrap_or_default(), called(self.shapes.get(id)?));
+        let value = format!("{value} under {} with a rigid body{shape}", self.contact_law());
+        Err(Error::Invalid { field, value, expected })
     }
 
     /// Checks that the contact law knows external forces of placed bodies, if there are any.

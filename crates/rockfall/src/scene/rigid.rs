@@ -236,7 +236,7 @@ impl RigidBody {
 }
 
 impl Scene {
-    /// Checks that the settings and the rods suit the rigid bodies of the scene.
+    /// Checks that the rods suit the rigid bodies of the scene.
     pub(crate) fn check_bodies(&self) -> Result<()> {
         if self.bodies().is_empty() {
             return Ok(());
@@ -247,11 +247,7 @@ impl Scene {
             let expected = "a rod of free length, or a spring: a rod of fixed length does not pull a rigid body";
             return Err(error::Error::Invalid { field: "rod.length", value: self.name_of(Body::Rod(id)), expected });
         }
-        if !(self.settings.collisions && self.settings.continuous_collisions) {
-            return Ok(());
-        }
-        let expected = "off: contacts of rigid bodies are found at the ends of steps only";
-        Err(invalid("continuous_collisions", "on in a scene with rigid bodies", expected))
+        Ok(())
     }
 }
 

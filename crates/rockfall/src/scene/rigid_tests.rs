@@ -162,3 +162,34 @@ fn impossible_bodies_are_refused() {
     assert_eq!(scene.find_shape("ball"), Some(ball));
     assert!(scene.add_shape(named()).unwrap_err().to_string().contains("a name that no other shape has"));
 }
+
+/// What a scene with one shape is refused for under a law. `settings` and `objects` are lines of a scene text.
+fn refusal(law: &str, settings: &str, objects: &str) -> Option<String> {
+    let text = format!(
+        "set contact_law {law}\n{settings}@material a density=1 young=1e6 poisson=0.3\n@use a\n\
+         @body bone mass=1\nS 0 0 0 0 0 0 0 0 0 0 - 0.5\nS 1 1 0 0 0 0 0 0 0 0 - 0.5\n@end\n{objects}"
+    );
+    let scene = Scene::parse(&text, std::path::Path::new("scene.txt")).unwrap().scene;
+    scene.check_contact_law(crate::Integrator::VelocityVerlet).err().map(|error| error.to_string())
+}
+
+#[test]
+fn impulses_on_bodies_are_refused_under_a_law_of_grains() {
+    let placed = "@place bone at=0,0,0\n";
+    let inlet = "@inlet box=0,0,0,9,9,9 shape=bone rate=1\n";
+    for objects in [placed, inlet] {
+        assert_eq!(refusal("hertz-mindlin", "", objects), None);
+        for (name, value, instead) in
+            [("collisions", "on", "off"), ("collision_friction", "0.5", "0"), ("continuous_collisions", "on", "off")]
+        {
+            let expected = format!(
+                "{name}: {value} under hertz-mindlin with a rigid body ('bone') is not allowed, expected {instead} (contact \
+                 forces alone), or `set contact_law rigid`: under other laws rigid bodies have no impulses"
+            );
+            let settings = format!("set {name} {value}\n");
+            assert_eq!(refusal("hertz-mindlin", &settings, objects), Some(expected));
+            assert_eq!(refusal("rigid", &settings, objects), None);
+            assert_eq!(refusal("hertz-mindlin", &settings, "S 2 5 0 0 0 0 0 0 0 0 - 0.5\n"), None, "a shape without a body");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The list of all stages.
 
 use crate::step::aabbs::update_aabbs;
-use crate::step::bodies::{move_bodies, push_bodies};
+use crate::step::bodies::move_bodies;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
     clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
@@ -20,7 +20,7 @@ use crate::step::stage::Stage;
 use crate::step::walls::{drive_servos, move_walls, servo_loads};
 
 /// All stages, each once.
-pub const ALL: [&Stage; 51] = [
+pub const ALL: [&Stage; 50] = [
     &drive_servos::STAGE,
     &move_walls::STAGE,
     &update_aabbs::STAGE,
@@ -49,7 +49,6 @@ pub const ALL: [&Stage; 51] = [
     &project_networks::STAGE,
     &apply_collisions::STAGE,
     &commit_collisions::STAGE,
-    &push_bodies::STAGE,
     &synchronise::STAGE,
     &apply_friction_impulses::STAGE,
     &commit_friction_impulses::STAGE,

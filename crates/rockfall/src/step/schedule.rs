@@ -2,14 +2,13 @@
 
 use crate::model::dispatch::Threads;
 use crate::model::layout::{
-    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, RUBBED, SERVO_END, SWEEPS,
-    SWEEPS_FEW, SWEEPS_ON,
+    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, EARLY, RESTORING, SERVO_END, SWEEPS, SWEEPS_FEW, SWEEPS_ON,
 };
 use crate::model::step::Step;
 use crate::model::world::World;
 use crate::settings::{BroadPhase, Integrator};
 use crate::step::aabbs::update_aabbs;
-use crate::step::bodies::{move_bodies, push_bodies};
+use crate::step::bodies::move_bodies;
 use crate::step::broad_phase::brute_force::{count_pairs, fill_pairs};
 use crate::step::broad_phase::grid::{
     clear_cells, count_cells, count_long, fill_long, find_neighbours, scan_cells, sort_cells,
@@ -39,12 +38,10 @@ pub enum When {
     Swept,
     /// Scenes like [`When::Swept`] but with few collisions (`SWEEPS_FEW`). One dispatch makes all sweeps.
     SweptAtOnce,
-    /// Scenes with large spheres or rigid bodies, if collisions are solved by sweeps with a dispatch for each sweep.
+    /// Scenes with large spheres, if collisions are solved by sweeps with a dispatch for each sweep.
     Gathered,
     /// Scenes whose contacts get friction impulses.
     FrictionImpulses,
-    /// Scenes with rigid bodies whose contacts get friction impulses.
-    RubbedBodies,
     /// Scenes in which contacts that begin and end within a step are handled.
     Continuous,
     /// Scenes whose phase of collisions needs the accelerations by everything but contacts.
@@ -70,9 +67,10 @@ pub enum When {
 pub struct Run {
     /// The stage.
     pub stage: &'static Stage,
-    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet, 0 and 1 for `sort_axis` and `drive_servos`, 0 and [`RUBBED`] for `push_bodies`, 0..8 for the digits of a sort, 0..8 for
-    /// `sweep_collisions`, 1..=8 for `project_networks` and `gather_impulses`, else 0. [`EARLY`] is added in passes that compute only the
-    /// spheres of which other processes have copies.
+    /// The pass: 0..4 for the force evaluations of RK4, and for `move_walls` before them, 0 and 3 for those of velocity Verlet,
+    /// 0 and 1 for `sort_axis` and `drive_servos`, 0..8 for the digits of a sort, 0..8 for `sweep_collisions`, 1..=8 for
+    /// `project_networks` and `gather_impulses`, else 0. [`EARLY`] is added in passes that compute only the spheres of which
+    /// other processes have copies.
     pub pass: u32,
     /// The scenes in which the stage is run.
     pub when: When,
@@ -90,9 +88,8 @@ impl Run {
             When::Networks => traits.networks && sweeps == SWEEPS_ON,
             When::Swept => sweeps == SWEEPS_ON,
             When::SweptAtOnce => sweeps == SWEEPS_FEW,
-            When::Gathered => (traits.large || traits.rigid) && sweeps == SWEEPS_ON,
+            When::Gathered => traits.large && sweeps == SWEEPS_ON,
             When::FrictionImpulses => traits.friction_impulses,
-            When::RubbedBodies => traits.friction_impulses && traits.rigid,
             When::Continuous => traits.continuous,
             When::Accelerated => synchronise::is_needed(&traits),
             When::LongMovers => traits.long_movers,
@@ -302,7 +299,7 @@ impl Phase {
 const HANDLE_COLLISIONS: &[Run] = &{
     const FIRST: usize = 6;
     const LAST: usize = FIRST + 3 * SWEEPS as usize;
-    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 8];
+    let mut runs = [run(&synchronise::STAGE).when(When::Accelerated); LAST + 4];
     runs[1] = run(&find_crossings::STAGE).when(When::Continuous);
     runs[2] = run(&find_collisions::STAGE);
     runs[3] = run(&weigh_networks::STAGE).when(When::Networks);
@@ -318,12 +315,8 @@ const HANDLE_COLLISIONS: &[Run] = &{
     }
     runs[LAST] = run(&apply_collisions::STAGE);
     runs[LAST + 1] = run(&commit_collisions::STAGE);
-    runs[LAST + 2] = run(&push_bodies::STAGE).when(When::Rigid);
-    runs[LAST + 3] = bodies(AFTER_COLLISIONS);
-    runs[LAST + 4] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
-    runs[LAST + 5] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
-    runs[LAST + 6] = pass(&push_bodies::STAGE, RUBBED).when(When::RubbedBodies);
-    runs[LAST + 7] = bodies(AFTER_COLLISIONS).when(When::RubbedBodies);
+    runs[LAST + 2] = run(&apply_friction_impulses::STAGE).when(When::FrictionImpulses);
+    runs[LAST + 3] = run(&commit_friction_impulses::STAGE).when(When::FrictionImpulses);
     runs
 };
 

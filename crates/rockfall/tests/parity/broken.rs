@@ -78,54 +78,7 @@ static MISTAKES: &[Mistake] = &[
     ),
     Mistake("move_bodies", 4, "move_bodies.wgsl", "select(1.0, 0.5, is_drift)", "1.0", Buffer::RigidBodies),
     Mistake("move_bodies", 5, "move_bodies.wgsl", "keep_rates(body, rates);", "", Buffer::Rates),
-    Mistake(
-        "push_bodies",
-        0,
-        "push_bodies.wgsl",
-        "fine_moved(pose.position, impulse.tau * velocity)",
-        "pose.position",
-        Buffer::RigidBodies,
-    ),
-    Mistake(
-        "push_bodies",
-        0,
-        "push_bodies.wgsl",
-        "freely_turned(before, form.moments, momentum,",
-        "freely_turned(before, form.moments, pose.momentum,",
-        Buffer::RigidBodies,
-    ),
-    Mistake(
-        "push_bodies",
-        0,
-        "body_impulses.wgsl",
-        "fma(cross(lever_of_record(record, row, k), k.n),",
-        "fma(lever_of_record(record, row, k),",
-        Buffer::RigidBodies,
-    ),
-    Mistake("push_bodies", 1, "push_bodies.wgsl", "kick.torque += next[2u *", "kick.torque -= next[2u *", Buffer::RigidBodies),
-    Mistake("apply_friction_impulses", 0, "friction_impulses.wgsl", "f32(topology[record + RIGID_PRESSED]) *", "", Buffer::Y2),
-    Mistake("push_bodies", 0, "push_bodies.wgsl", "found += pressed_in(row);", "found += 1u;", Buffer::Topology),
-    Mistake(
-        "apply_friction_impulses",
-        0,
-        "apply_friction_impulses.wgsl",
-        "cross(select(rub.lever_b, rub.lever_a, is_a), push) + torque",
-        "torque",
-        Buffer::Y2,
-    ),
-    Mistake("weigh_collisions", 0, "weigh_collisions.wgsl", "+ dot(hold.turning, torque)", "", Buffer::RigidBodies),
-    Mistake("weigh_collisions", 0, "lone.wgsl", "- cross(spin_now, touched)", "", Buffer::RigidBodies),
-    Mistake(
-        "sweep_collisions",
-        1,
-        "sweep_collisions.wgsl",
-        "+ cross(turning, lever_on_body",
-        "- cross(turning, lever_on_body",
-        Buffer::RigidBodies,
-    ),
-    Mistake("gather_impulses", 1, "gather_impulses.wgsl", "vec4f(kick.torque, 0.0)", "vec4f(0.0)", Buffer::RigidBodies),
     Mistake("synchronise", 0, "synchronise.wgsl", "+ cross(turning, lever_on_body(record, i, 0.0))", "", Buffer::Start),
-    Mistake("move_bodies", 8, "move_bodies.wgsl", "place_members(form, pose, true);", "", Buffer::Start),
     Mistake("move_bodies", 7, "move_bodies.wgsl", "axis.xxy * axis.yzz", "axis.xyx * axis.yzz", Buffer::Topology),
     Mistake("loads", 0, "rigid_side.wgsl", "let across = cross(lever, found.n);", "let across = lever;", Buffer::Wrenches),
     Mistake("loads", 0, "rigid_side.wgsl", "reach * reach * float_at", "reach * float_at", Buffer::Wrenches),
@@ -812,9 +765,7 @@ fn every_kernel_with_a_mistake_is_rejected() {
     traces.push(servos::trace(2, ContactLaw::HertzMindlin, Integrator::VelocityVerlet, [false, false]));
     traces.push(rigid::trace(2, Integrator::SymplecticEuler, ContactLaw::Linear, rigid::Parts::Balls));
     traces.push(rigid::trace(3, Integrator::VelocityVerlet, ContactLaw::HertzMindlin, rigid::Parts::Rods));
-    traces.push(rigid::trace_of_collisions(6, Integrator::VelocityVerlet, rigid::Parts::Balls));
-    traces.push(rigid::trace_of_collisions(13, Integrator::SymplecticEuler, rigid::Parts::Rods));
-    traces.push(rigid::trace_of_gathered(8));
+    traces.push(rigid::trace_of_accelerations(13));
     traces.push(passages::trace(1, Integrator::Rk4, false));
     let scenarios = traces.into_iter().flat_map(|trace| trace.scenarios);
     let trials: Vec<Trial> = scenarios.map(|scenario| Trial { scenario, key: OnceLock::new() }).collect();

@@ -53,14 +53,13 @@ const BODY_ROWS: [&str; RIGID_ROWS as usize] = [
     "velocity",
     "angular momentum",
     "orientation",
-    "whether it was pushed",
+    "residues: low part",
     "residues after the drift",
     "velocity of the stage state",
     "angular momentum of the stage state",
     "orientation of the stage state",
     "position of the stage state",
     "its low part",
-    "residues: low part",
 ];
 
 struct Floats {

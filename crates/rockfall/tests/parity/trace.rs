@@ -1,8 +1,8 @@
 //! Traces of random steps: the world before every stage. No decision of the step is near the value at which it changes.
 
 use rockfall::model::layout::{
-    AFTER_COLLISIONS, CELL_BLOCK, CELLS_AT, HISTORY_WORDS, LAW_THESIS, LINK_KEY, RESTORING, ROD_WORDS, SLICE, SWEEPS_FEW,
-    SWEEPS_LISTED, SWEEPS_ON,
+    CELL_BLOCK, CELLS_AT, HISTORY_WORDS, LAW_THESIS, LINK_KEY, RESTORING, ROD_WORDS, SLICE, SWEEPS_FEW, SWEEPS_LISTED,
+    SWEEPS_ON,
 };
 use rockfall::model::status::{REBUILD_REQUESTED, REJECTED_ESCAPED};
 use rockfall::model::world::World;
@@ -53,7 +53,7 @@ impl Scenario {
 }
 
 /// Stages that solve collisions. On the GPU each does a part of the work. The CPU computes all collisions in one of them.
-const SOLVING: [&str; 12] = [
+const SOLVING: [&str; 11] = [
     "find_collisions",
     "weigh_networks",
     "weigh_collisions",
@@ -63,16 +63,13 @@ const SOLVING: [&str; 12] = [
     "project_networks",
     "apply_collisions",
     "commit_collisions",
-    "push_bodies",
     "apply_friction_impulses",
     "commit_friction_impulses",
 ];
 
 /// Splits stages into groups that can be compared: all stages that solve collisions, or one other stage.
 pub(crate) fn grouped(runs: &[Run]) -> Vec<Vec<Run>> {
-    // `move_bodies` then places the spheres of bodies that `push_bodies` has changed.
-    let places = |run: &Run| run.stage.name == "move_bodies" && run.pass == AFTER_COLLISIONS;
-    let is_solving = |run: &Run| SOLVING.contains(&run.stage.name) || places(run);
+    let is_solving = |run: &Run| SOLVING.contains(&run.stage.name);
     let groups = runs.chunk_by(|one, other| is_solving(one) && is_solving(other));
     groups.map(<[Run]>::to_vec).collect()
 }

@@ -5,8 +5,6 @@
 mod common;
 
 mod bodies;
-mod body_friction;
-mod body_impulses;
 mod body_springs;
 mod boxes;
 mod closed_form;

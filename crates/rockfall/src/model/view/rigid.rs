@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{Quat, Vec3, Vec4};
 
-use crate::model::layout::{NO_RIGID, RIGID_PRESSED, RIGID_WORDS, SHAPE_WORDS};
+use crate::model::layout::{NO_RIGID, RIGID_WORDS, SHAPE_WORDS};
 use crate::model::rigid::{Moments, Pose, times};
 use crate::model::view::{Object, View};
 
@@ -22,8 +22,6 @@ pub(crate) struct RigidRecord {
     pub(crate) orientation: Quat,
     /// The greatest distance of a point of a sphere from the centre.
     pub(crate) reach: f32,
-    /// Number of pressed contacts, once `push_bodies` has counted them in scenes with friction impulses.
-    pub(crate) pressed: u32,
     /// First word of the shape.
     shape: usize,
     /// Words of the insertion indices of the member spheres.
@@ -70,17 +68,6 @@ impl View<'_> {
         }
     }
 
-    /// Whether the contact of two objects exerts forces and gets no impulses (docs/physics section 4.16).
-    pub(crate) fn has_forces_alone(&self, objects: [Object; 2]) -> bool {
-        self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|object| self.is_forced(object))
-    }
-
-    /// Whether all contacts of an object exert forces alone: it is a rod that ends in a rigid body and does not belong to it.
-    fn is_forced(&self, object: Object) -> bool {
-        let Object::Rod(rod) = object else { return false };
-        self.body_of(object).is_none() && self.rod(rod).ends.into_iter().any(|end| self.body_of_sphere(end).is_some())
-    }
-
     /// Whether one of two objects is a part of a rigid body.
     pub(crate) fn touches_body(&self, objects: [u32; 2]) -> bool {
         self.step.layout.rigid_bodies > 0 && objects.into_iter().any(|id| self.body_of(self.object(id)).is_some())
@@ -97,7 +84,6 @@ impl View<'_> {
             orientation: Quat::from_xyzw(float(14), float(15), float(16), float(17)),
             shape: words[11] as usize,
             reach: float(18),
-            pressed: words[RIGID_PRESSED as usize],
             members: words[12] as usize,
             count: words[13] as usize,
         }

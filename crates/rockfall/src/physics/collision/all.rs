@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::disjoint::DisjointSets;
-use crate::model::impulse::{BodyPush, Impulse, Key};
+use crate::model::impulse::{Impulse, Key};
 use crate::model::layout::GRAIN;
 use crate::model::layout::{ENTRY_COLLIDES, ENTRY_OVERLAPS};
 use crate::model::lists::Lists;
@@ -30,7 +30,6 @@ pub(crate) struct Outcome {
     pub(crate) impulses: Vec<Impulse>,
     /// Sorted by sphere. Changes of one sphere are in the order in which they are summed.
     changes: Vec<Change>,
-    pub(crate) pushes: Vec<BodyPush>,
     /// Whether the rods of a network could not be solved.
     pub(crate) is_unsolved: bool,
 }
@@ -63,7 +62,6 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
     let mut outcome = Outcome {
         impulses: lone.iter().map(|lone| lone.impulse).collect(),
         changes: lone.iter().flat_map(|lone| lone.changes()).copied().collect(),
-        pushes: lone.iter().flat_map(|lone| lone.pushes()).collect(),
         is_unsolved: false,
     };
     if lone.len() < collisions.len() {
@@ -74,7 +72,6 @@ pub(crate) fn solve(view: &View, lists: &Lists) -> Outcome {
         for cluster in solved {
             outcome.impulses.extend(cluster.impulses);
             outcome.changes.extend(cluster.changes);
-            outcome.pushes.extend(cluster.pushes);
             outcome.is_unsolved |= cluster.is_unsolved;
         }
     }

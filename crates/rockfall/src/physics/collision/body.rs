@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::model::lists::Lists;
-use crate::model::view::{Object, RigidRecord, View};
+use crate::model::view::View;
 use crate::physics::geometry::scale;
 use crate::physics::touch::Motions;
 
@@ -16,8 +16,6 @@ pub(crate) enum Body {
     Capsule(u32),
     /// A network, by its number: moving spheres that are connected by rods of fixed length.
     Network(u32),
-    /// A rigid body, by its number.
-    Rigid(u32),
 }
 
 impl Body {
@@ -26,9 +24,6 @@ impl Body {
         if view.is_fixed(sphere) {
             return None;
         }
-        if let Some(body) = view.body_of_sphere(sphere) {
-            return Some(Self::Rigid(body));
-        }
         if let Some(rod) = view.capsule_of(sphere) {
             return Some(Self::Capsule(rod));
         }
@@ -36,19 +31,13 @@ impl Body {
         Some(network.map_or(Self::Sphere(sphere), Self::Network))
     }
 
-    /// Calls `take` for each mover whose contacts touch the body: its spheres, and the rods that end in them. Of a rigid body, only its own
-    /// rods: others have forces alone.
+    /// Calls `take` for each mover whose contacts touch the body: its spheres, and the rods that end in them.
     pub(crate) fn each_row(self, view: &View, mut take: impl FnMut(u32)) {
         match self {
             Self::Sphere(sphere) => sphere_rows(view, sphere).for_each(take),
             Self::Capsule(rod) => {
                 let [one, two] = view.rod(rod).ends;
                 [one, two, view.step.layout.spheres + rod].into_iter().for_each(take);
-            }
-            Self::Rigid(body) => {
-                for (index, _) in view.members(view.rigid_body(body)) {
-                    member_rows(view, body, view.slot_of(index)).for_each(&mut take);
-                }
             }
             Self::Network(network) => {
                 let (spheres, rods) = view.network(network);
@@ -69,23 +58,15 @@ pub(crate) fn sphere_rows(view: &View, sphere: u32) -> impl Iterator<Item = u32>
     std::iter::once(sphere).chain(view.rods_of(sphere).map(move |rod| spheres + rod))
 }
 
-/// The movers that a sphere of a rigid body stands for: itself and the rods of the body that begin in it.
-pub(crate) fn member_rows(view: &View, body: u32, sphere: u32) -> impl Iterator<Item = u32> {
-    let own = view.rods_of(sphere).filter(move |rod| view.rod(*rod).ends[0] == sphere);
-    let own = own.filter(move |rod| view.body_of(Object::Rod(*rod)) == Some(body));
-    std::iter::once(sphere).chain(own.map(move |rod| view.step.layout.spheres + rod))
-}
-
 /// The effect of a contact's impulse, along its normal n, on one of its bodies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) body: Body,
     /// -1 on side A, +1 on side B.
     pub(crate) sign: f32,
-    /// The spheres that get the impulse, and their shares of it. For a capsule, its ends; their shares are not used. Nor are those of a
-    /// rigid body.
+    /// The spheres that get the impulse, and their shares of it. For a capsule, its ends; their shares are not used.
     pub(crate) shares: [(u32, f32); 2],
-    /// For a capsule or a rigid body: the torque of a unit impulse about its centre of mass.
+    /// For a capsule: the torque of a unit impulse about its centre of mass.
     pub(crate) torque: Vec3,
     /// The change of the velocity along n by a unit impulse. For a network, the value before the projection.
     pub(crate) inverse_mass: f32,
@@ -99,12 +80,6 @@ impl Part {
     pub(crate) fn of_sphere(view: &View, body: Body, sphere: u32, share: f32, sign: f32) -> Self {
         let inverse_mass = share * share * view.inverse_mass(sphere);
         Self { body, sign, shares: [(sphere, share), (sphere, 0.0)], torque: Vec3::ZERO, inverse_mass }
-    }
-
-    /// The part of a rigid body, on which a unit impulse has this torque about its centre of mass.
-    pub(crate) fn of_rigid(body: u32, record: &RigidRecord, torque: Vec3, sign: f32) -> Self {
-        let inverse_mass = record.inverse_mass + record.by_inverse_inertia(torque);
-        Self { body: Body::Rigid(body), sign, torque, inverse_mass, ..Self::NONE }
     }
 
     /// Combines the parts of two spheres of one network.
@@ -200,7 +175,7 @@ impl Capsule {
     }
 }
 
-/// Finds out which spheres the collisions of a step change, those of rigid bodies left out.
+/// Finds out which spheres the collisions of a step change.
 pub(crate) struct TakingPart<'a> {
     view: &'a View<'a>,
     lists: &'a Lists<'a>,
@@ -217,9 +192,6 @@ impl<'a> TakingPart<'a> {
     /// Whether a contact of the sphere's body collides.
     pub(crate) fn has(&self, sphere: u32) -> bool {
         let Self { view, lists, networks } = self;
-        if view.body_of_sphere(sphere).is_some() {
-            return false;
-        }
         // The sphere's own list decides in nearly all cases.
         lists.collides(sphere)
             || view.step.layout.rods > 0

@@ -47,7 +47,7 @@ fn hit_at_contact(i: u32, half: ContactSide, row: u32, r: u32) -> Motion {
     let rod = capsule_rod(half.spheres.x);
     let back = turned(now.x2 - now.x1, now.v2 - now.v1, -impulse.tau);
     let capsule = capsule_of(half.spheres, now);
-    let capsule_then = capsule_of(half.spheres, SideMotion(vec3f(0.0), back.d, vec3f(0.0), back.q, vec3f(0.0), NO_TURN));
+    let capsule_then = capsule_of(half.spheres, SideMotion(vec3f(0.0), back.d, vec3f(0.0), back.q));
     let is_a = k.a_id == row;
     var at = select(k.b, k.a, is_a);
     if row < step.spheres {

@@ -10,9 +10,9 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::model::impulse::{BodyPush, Impulse};
+use crate::model::impulse::Impulse;
 use crate::model::layout::{SWEEP_SIZES, SWEEPS};
-use crate::model::view::{RigidRecord, View};
+use crate::model::view::View;
 use crate::physics::collision::body::{Body, Capsule, Part};
 use crate::physics::collision::networks::Network;
 use crate::physics::collision::{Change, Collision, pair};
@@ -34,7 +34,6 @@ pub(super) struct Touching {
 pub(super) struct Outcome {
     pub(super) impulses: Vec<Impulse>,
     pub(super) changes: Vec<Change>,
-    pub(super) pushes: Vec<BodyPush>,
     /// Whether the rods of a network could not be solved.
     pub(super) is_unsolved: bool,
 }
@@ -44,7 +43,6 @@ enum Moved {
     Sphere { sphere: u32, inverse_mass: f32, velocity: Vec3 },
     Capsule { capsule: Capsule, velocity: Vec3, spin: Vec3 },
     Network { network: Network, impulses: Vec<DVec3>, velocities: Vec<DVec3> },
-    Rigid { record: RigidRecord, push: BodyPush },
 }
 
 impl Moved {
@@ -59,7 +57,6 @@ impl Moved {
                 let none = vec![DVec3::ZERO; network.spheres.len()];
                 Self::Network { network, impulses: none.clone(), velocities: none }
             }
-            Body::Rigid(body) => Self::Rigid { record: view.rigid_body(body), push: BodyPush { body, ..BodyPush::default() } },
         }
     }
 
@@ -69,7 +66,6 @@ impl Moved {
             Self::Sphere { velocity, .. } => *velocity = Vec3::ZERO,
             Self::Capsule { velocity, spin, .. } => (*velocity, *spin) = (Vec3::ZERO, Vec3::ZERO),
             Self::Network { impulses, .. } => impulses.fill(DVec3::ZERO),
-            Self::Rigid { push, .. } => *push = BodyPush { body: push.body, ..BodyPush::default() },
         }
     }
 
@@ -83,10 +79,6 @@ impl Moved {
             }
             Self::Network { network, impulses, .. } => {
                 each_place(network, part, |place, share| impulses[place] += f64::from(size * share) * n.as_dvec3());
-            }
-            Self::Rigid { record, push } => {
-                push.velocity += size * record.inverse_mass * n;
-                push.angular_momentum += size * part.torque;
             }
         }
     }
@@ -108,13 +100,12 @@ impl Moved {
                 each_place(network, part, |place, share| along += f64::from(share) * n.as_dvec3().dot(velocities[place]));
                 along as f32
             }
-            Self::Rigid { record, push } => n.dot(push.velocity) + part.torque.dot(record.spin_of(push.angular_momentum)),
         }
     }
 
-    /// The change of the velocity along n by a unit impulse. On a network or a rigid body, the call discards all impulses added so far.
+    /// The change of the velocity along n by a unit impulse. On a network, the call discards all impulses added so far.
     fn inverse_mass(&mut self, part: &Part, n: Vec3) -> f32 {
-        if !matches!(self, Self::Network { .. } | Self::Rigid { .. }) {
+        if !matches!(self, Self::Network { .. }) {
             return part.inverse_mass;
         }
         self.clear();
@@ -130,7 +121,7 @@ impl Moved {
         match self {
             Self::Sphere { .. } => inverse_mass * here.map(|other| n.dot(all[other.collision].touch.normal).abs()).sum::<f32>(),
             Self::Capsule { .. } => inverse_mass * here.count() as f32,
-            Self::Network { .. } | Self::Rigid { .. } => {
+            Self::Network { .. } => {
                 let mut others: Vec<usize> = here.map(|other| other.collision).collect();
                 others.dedup();
                 let sides =
@@ -143,7 +134,6 @@ impl Moved {
     fn put_changes(&self, outcome: &mut Outcome) {
         let changes = &mut outcome.changes;
         match self {
-            Self::Rigid { push, .. } => outcome.pushes.push(*push),
             Self::Sphere { sphere, velocity, .. } => {
                 changes.push(Change { sphere: *sphere, velocity: *velocity, ..Change::default() });
             }

@@ -4,7 +4,7 @@
 
 // Finds the neighbours of a collision, which are other collisions that share a body with it, and the couplings
 // (docs/physics section 3.7). A coupling is the change of the approach velocity of the collision per unit of the
-// neighbour's impulse. They are collected in the order of the lists: on rigid bodies first, and those of side A first.
+// neighbour's impulse. They are collected in the order of the lists, those of side A first.
 
 // Record numbers and couplings of the neighbours.
 var<private> near: array<vec2u, NEIGHBOURS>;
@@ -120,12 +120,6 @@ fn couple_side(k: Record, number: u32, half: ContactSide, side: f32) {
         return;
     }
     let is_rod = RODS & (half.kind == ROD);
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            // They were collected with the weight.
-            return;
-        }
-    }
     if is_gathered(half.spheres.x) | (is_rod && is_gathered(half.spheres.y)) {
         gathered |= select(GATHERED_B, GATHERED_A, side > 0.0);
         return;
@@ -154,7 +148,7 @@ fn side_of_record(k: Record, side: u32) -> ContactSide {
     return contact_side(select(k.a_id, k.b_id, is_b), select(k.a, k.b, is_b));
 }
 
-// Finds and writes all couplings of a collision that is left to the sweeps. Those on rigid bodies have been collected.
+// Finds and writes all couplings of a collision that is left to the sweeps.
 fn find_couplings(k: Record, number: u32, is_only: bool) {
     for (var side = 0u; side < 2u; side++) {
         couple_side(k, number, side_of_record(k, side), select(1.0, -1.0, side == 1u));

@@ -8,12 +8,11 @@
 use glam::Vec3;
 
 use crate::fine::Fine;
-use crate::model::impulse::{BodyPush, Impulse};
+use crate::model::impulse::Impulse;
 use crate::model::layout::FLAG_CONTINUOUS;
 use crate::model::period::Periods;
-use crate::model::view::{Object, RigidRecord, View, Wall};
+use crate::model::view::{Object, View, Wall};
 use crate::physics::collision::body::{Body, Capsule, Part};
-use crate::physics::collision::turning::Turning;
 use crate::physics::collision::{Change, Collision};
 use crate::physics::first_contact::time_of_beginning;
 use crate::physics::forces::attached::{attached_curvature, attached_force};
@@ -30,15 +29,9 @@ pub(super) struct Outcome {
     pub(super) impulse: Impulse,
     changes: [Change; 4],
     len: usize,
-    /// Those of rigid bodies, on side A and on side B.
-    pushes: [Option<BodyPush>; 2],
 }
 
 impl Outcome {
-    pub(super) fn pushes(&self) -> impl Iterator<Item = BodyPush> {
-        self.pushes.into_iter().flatten()
-    }
-
     pub(super) fn changes(&self) -> &[Change] {
         &self.changes[..self.len]
     }
@@ -54,28 +47,24 @@ impl Outcome {
 enum MovingBody {
     Sphere(u32),
     Capsule(Capsule),
-    Rigid(Turning),
 }
 
 impl MovingBody {
-    /// The body of a part of the collision `k`.
-    fn of(view: &View, k: &Collision, part: &Part) -> Self {
-        let (id, parameter) = if part.sign < 0.0 { (k.a, k.touch.a) } else { (k.b, k.touch.b) };
-        match (part.body, Turning::of(view, view.object(id), parameter)) {
-            (_, Some(turning)) => Self::Rigid(turning),
-            (Body::Capsule(rod), _) => Self::Capsule(Capsule::of(view, view, rod)),
+    /// The body of a part of a collision.
+    fn of(view: &View, part: &Part) -> Self {
+        match part.body {
+            Body::Capsule(rod) => Self::Capsule(Capsule::of(view, view, rod)),
             _ => Self::Sphere(part.shares[0].0),
         }
     }
 
-    /// The acceleration of the body by everything but contacts. For a capsule or a rigid body, that of its centre of mass.
+    /// The acceleration of the body by everything but contacts. For a capsule, that of its centre of mass.
     fn acceleration(&self, view: &View) -> Vec3 {
         let pulled = match self {
             Self::Sphere(sphere) => view.inverse_mass(*sphere) * attached_force(view, *sphere),
             Self::Capsule(capsule) => {
                 capsule.ends.map(|end| attached_force(view, end)).into_iter().sum::<Vec3>() / capsule.mass
             }
-            Self::Rigid(turning) => turning.pull(view),
         };
         Vec3::from_array(view.step.constants.gravity) + pulled
     }
@@ -87,15 +76,13 @@ struct EarlierState<'a> {
     /// Spheres with their positions and velocities.
     spheres: [(u32, Fine, Vec3); 4],
     len: usize,
-    /// Rigid bodies, by their numbers.
-    bodies: [Option<(u32, RigidRecord)>; 2],
 }
 
 impl<'a> EarlierState<'a> {
     /// Moves the bodies back by a time, along parabolas or along straight lines. On straight lines angular momentum is
     /// conserved whatever the time is.
     fn of(view: &'a View<'a>, movers: &[(MovingBody, Vec3)], time: f32, along_parabolas: bool) -> Self {
-        let mut before = Self { view, spheres: [(0, Fine::default(), Vec3::ZERO); 4], len: 0, bodies: [None; 2] };
+        let mut before = Self { view, spheres: [(0, Fine::default(), Vec3::ZERO); 4], len: 0 };
         for (mover, acceleration) in movers {
             let fallen = if along_parabolas { 0.5 * time * time * *acceleration } else { Vec3::ZERO };
             match mover {
@@ -110,14 +97,6 @@ impl<'a> EarlierState<'a> {
                     for (end, lever) in capsule.ends.into_iter().zip([0.0, 1.0].map(|place| capsule.lever(place))) {
                         before.add(end, moved + lever * (d - capsule.d), velocity + lever * q);
                     }
-                }
-                MovingBody::Rigid(turning) => {
-                    let body = turning.before(time, fallen - time * turning.velocity());
-                    for (sphere, moved, velocity) in turning.spheres(view, &body, -time * *acceleration) {
-                        before.add(sphere, moved, velocity);
-                    }
-                    let free = usize::from(before.bodies[0].is_some());
-                    before.bodies[free] = Some((turning.body(), body));
                 }
             }
         }
@@ -150,11 +129,6 @@ impl Motions for EarlierState<'_> {
 
     fn periods(&self) -> Option<Periods> {
         Periods::of(self.view.step)
-    }
-
-    fn rigid_body(&self, view: &View, body: u32) -> RigidRecord {
-        let known = self.bodies.iter().flatten().find(|known| known.0 == body);
-        known.map_or_else(|| view.rigid_body(body), |known| known.1)
     }
 }
 
@@ -257,7 +231,7 @@ fn start_of(view: &View, k: &Collision) -> f32 {
 fn movers_of(view: &View, k: &Collision) -> [(MovingBody, Vec3); 4] {
     let mut movers = [(MovingBody::Sphere(0), Vec3::ZERO); 4];
     for (place, part) in movers.iter_mut().zip(k.parts()) {
-        let mover = MovingBody::of(view, k, part);
+        let mover = MovingBody::of(view, part);
         *place = (mover, mover.acceleration(view));
     }
     movers
@@ -281,10 +255,6 @@ fn solved(view: &View, hit: &Collision, movers: &[(MovingBody, Vec3)], tau: f32)
                 let spin = pushed / inertia_before(capsule, tau) * part.torque;
                 capsule_changes(capsule, velocity, spin, tau).into_iter().for_each(|change| outcome.add(change));
             }
-            MovingBody::Rigid(turning) => {
-                let push = turning.pushed(pushed * hit.touch.normal, pushed * part.torque, tau);
-                outcome.pushes[usize::from(part.sign > 0.0)] = Some(push);
-            }
         }
     }
     outcome
@@ -307,9 +277,6 @@ fn effective_inverse_mass(view: &View, hit: &Collision, movers: &[(MovingBody, V
                 let velocities = capsule
                     .end_velocities(part.sign / capsule.mass * n, part.sign / inertia_before(capsule, tau) * part.torque);
                 capsule.ends.into_iter().zip(velocities).for_each(|(end, velocity)| add(end, velocity));
-            }
-            MovingBody::Rigid(turning) => {
-                turning.velocities(view, part, part.sign * n, tau).for_each(|(sphere, velocity)| add(sphere, velocity));
             }
         }
     }

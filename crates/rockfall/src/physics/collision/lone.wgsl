@@ -1,6 +1,6 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl physics/collision/pushed.wgsl
-// requires physics/contact.wgsl physics/free_rotation.wgsl physics/quaternion.wgsl physics/rigid.wgsl physics/rigid_form.wgsl physics/rigid_parts.wgsl
-// requires physics/forces/free.wgsl physics/round_pair.wgsl physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/collision/crossings.wgsl
+// requires physics/collision/pushed.wgsl physics/contact.wgsl physics/forces/free.wgsl physics/round_pair.wgsl
+// requires physics/pairs.wgsl physics/touch.wgsl physics/sine.wgsl physics/walls.wgsl
 
 // Solves lone collisions at their time of contact (docs/physics section 3.6). The pair is moved back to the time at
 // which it first touched.
@@ -29,11 +29,6 @@ fn pull_on(half: ContactSide) -> SideAcceleration {
     if half.kind == STATIC {
         return pull;
     }
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            return pull_on_body(rigid_record(rigid_body_of(half.id)));
-        }
-    }
     let w1 = inverse_mass(half.spheres.x);
     if w1 > 0.0 {
         pull.a1 = free_acceleration(half.spheres.x);
@@ -51,22 +46,6 @@ fn pull_on(half: ContactSide) -> SideAcceleration {
         return SideAcceleration(mean, mean);
     }
     return pull;
-}
-
-// The acceleration of the centre of mass of a rigid body.
-fn pull_on_body(record: u32) -> SideAcceleration {
-    var force = vec3f(0.0);
-    if FREE_TABLE {
-        for (var member = 0u; member < topology[record + 13u]; member++) {
-            let sphere = id_of(topology[topology[record + 12u] + member]);
-            force += (free_acceleration(sphere) - step.gravity) / inverse_mass(sphere);
-        }
-    }
-    // The factor is always 1. It is here because software Vulkan recompiles the kernel in every dispatch where the uniform block alone
-    // decides a value like this one.
-    let one = f32(topology[record + 13u] != 0u);
-    let mean = fma(vec3f(one), step.gravity, float_at(record + 3u) * force);
-    return SideAcceleration(mean, mean);
 }
 
 // The vector d from end 1 to end 2 of a capsule, and the velocity q of end 2 relative to end 1.
@@ -95,11 +74,6 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
         return back;
     }
     let square = select(0.0, 0.5 * tau * tau, with_acceleration);
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            return body_before(half, poise, pull.a1, tau, square);
-        }
-    }
     let w1 = inverse_mass(half.spheres.x);
     if RODS & (half.kind == CAPSULE) {
         let centre = w1 / (w1 + inverse_mass(half.spheres.y));
@@ -113,8 +87,6 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
             moved + (1.0 - centre) * before.d,
             slowed - centre * before.q,
             slowed + (1.0 - centre) * before.q,
-            vec3f(0.0),
-            NO_TURN,
         );
     }
     if w1 > 0.0 {
@@ -126,30 +98,6 @@ fn moved_back(half: ContactSide, poise: SideMotion, pull: SideAcceleration, tau:
             back.x2 = poise.x2 - tau * poise.v2 + square * pull.a2;
             back.v2 = poise.v2 - tau * pull.a2;
         }
-    }
-    return back;
-}
-
-// The motion of a side on a rigid body at an earlier time (docs/physics section 3.11).
-fn body_before(half: ContactSide, poise: SideMotion, pull: vec3f, tau: f32, square: f32) -> SideMotion {
-    let record = rigid_record(rigid_body_of(half.id));
-    let orientation = orientation_in(record);
-    let moments = moments_in(record);
-    let spin_now = state[momentum_at(half.spheres.x)].xyz * state[momentum_at(half.spheres.x)].w;
-    let momentum = momentum_of_body(orientation, moments, spin_now);
-    let before = freely_turned(orientation, moments, momentum, -tau);
-    let turn = multiply(before, vec4f(-orientation.xyz, orientation.w));
-    let spin = spin_of_body(before, moments, momentum);
-    let touched = mix(poise.x1, poise.x2, half.at) - poise.centre;
-    let velocity = mix(poise.v1, poise.v2, half.at) - cross(spin_now, touched);
-    let centre = poise.centre - tau * velocity + square * pull;
-    let one = turned_vector(turn, poise.x1 - poise.centre);
-    let slowed = velocity - tau * pull;
-    var back = SideMotion(centre + one, centre + one, slowed + cross(spin, one), slowed + cross(spin, one), centre, turn);
-    if RODS & (half.id >= step.spheres) {
-        let two = turned_vector(turn, poise.x2 - poise.centre);
-        back.x2 = centre + two;
-        back.v2 = slowed + cross(spin, two);
     }
     return back;
 }
@@ -211,9 +159,8 @@ fn solve_from(a_id: u32, b_id: u32, feature: u32, found: Touch, start: f32, is_c
         tau = 0.0;
         at_contact = Placed(found, approach_at(a_id, b_id, found));
     }
-    let no_body = PushedBody(NONE, vec3f(0.0), vec3f(0.0));
     let none = array<vec3f, 4>(vec3f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0));
-    var pushed = Pushed(vec4u(NONE), none, array<PushedBody, 2>(no_body, no_body));
+    var pushed = Pushed(vec4u(NONE), none);
     push_side(a, moved_back(a, a_now, a_pull, tau, false), -at_contact.touch.n, 0u, &pushed);
     push_side(b, moved_back(b, b_now, b_pull, tau, false), at_contact.touch.n, 2u, &pushed);
     let inverse_mass = at_contact.closing.inverse_mass;

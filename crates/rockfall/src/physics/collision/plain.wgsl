@@ -1,7 +1,8 @@
-// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl physics/rigid.wgsl physics/round_pair.wgsl physics/walls.wgsl
+// requires model/entries.wgsl model/objects.wgsl model/step.wgsl physics/contact.wgsl physics/geometry.wgsl
+// requires physics/round_pair.wgsl physics/walls.wgsl
 
-// Contacts of spheres without rods and rigid bodies, with each other or with boxes and polygons ("plain" contacts). Nearly all contacts are
-// of this kind. Each side gets the whole impulse, so the general contact of `collision.wgsl` is not needed.
+// Contacts of spheres without rods, with each other or with boxes and polygons ("plain" contacts). Nearly all contacts are of
+// this kind. Each side gets the whole impulse, so the general contact of `collision.wgsl` is not needed.
 
 struct Plain {
     // Unit normal from the sphere to the other object.
@@ -20,11 +21,6 @@ fn is_plain(sphere: u32) -> bool {
 
 // Whether the contact of two objects is plain.
 fn are_plain(a: u32, b: u32) -> bool {
-    if RIGID_BODIES {
-        if touches_body(a, b) {
-            return false;
-        }
-    }
     if !RODS {
         return true;
     }

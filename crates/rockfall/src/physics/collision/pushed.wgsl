@@ -1,5 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/forces/muscle.wgsl
-// requires physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
+// requires model/objects.wgsl model/step.wgsl physics/collision.wgsl physics/forces/attached.wgsl physics/forces/muscle.wgsl
 
 // What a unit impulse of a lone collision does to springs and tethers (docs/physics section 3.6).
 
@@ -7,27 +6,11 @@
 struct Pushed {
     spheres: vec4u,
     velocities: array<vec3f, 4>,
-    // Of each side.
-    bodies: array<PushedBody, 2>,
-}
-
-// A rigid body that a unit impulse moves, by its record, and the changes of its velocity and its angular velocity.
-struct PushedBody {
-    record: u32,
-    velocity: vec3f,
-    spin: vec3f,
 }
 
 fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed: ptr<function, Pushed>) {
     if half.kind == STATIC {
         return;
-    }
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            let hold = hold_of(half, poise, n);
-            (*pushed).bodies[place / 2u] = PushedBody(hold.record, float_at(hold.record + 3u) * n, hold.turning);
-            return;
-        }
     }
     (*pushed).spheres[place] = half.spheres.x;
     (*pushed).velocities[place] = inverse_mass(half.spheres.x) * n;
@@ -52,8 +35,8 @@ fn push_side(half: ContactSide, poise: SideMotion, n: vec3f, place: u32, pushed:
 // so that the collision adds no energy.
 fn curvature_along(pushed: Pushed) -> f32 {
     var sum = 0.0;
-    for (var place = 0u; place < 4u + members_of_side(pushed, 0u) + members_of_side(pushed, 1u); place++) {
-        let sphere = pushed_sphere(pushed, place);
+    for (var place = 0u; place < 4u; place++) {
+        let sphere = pushed.spheres[place];
         if sphere == NONE {
             continue;
         }
@@ -81,29 +64,6 @@ fn curvature_along(pushed: Pushed) -> f32 {
     return sum;
 }
 
-// Number of spheres of the rigid body of a side.
-fn members_of_side(pushed: Pushed, side: u32) -> u32 {
-    if RIGID_BODIES & FREE_TABLE {
-        let record = pushed.bodies[side].record;
-        if record != NONE {
-            return topology[record + 13u];
-        }
-    }
-    return 0u;
-}
-
-// The sphere at a place: first the four of the sides, then those of the rigid bodies. NONE if there is none.
-fn pushed_sphere(pushed: Pushed, place: u32) -> u32 {
-    if place < 4u {
-        return pushed.spheres[place];
-    }
-    let of_a = members_of_side(pushed, 0u);
-    let is_b = place - 4u >= of_a;
-    let member = place - 4u - select(0u, of_a, is_b);
-    let record = pushed.bodies[u32(is_b)].record;
-    return id_of(topology[topology[record + 12u] + member]);
-}
-
 // The change of the velocity of a sphere by the unit impulse, and whether it has one.
 struct PushedVelocity {
     velocity: vec3f,
@@ -115,15 +75,6 @@ fn pushed_velocity(pushed: Pushed, sphere: u32) -> PushedVelocity {
     for (var place = 0u; place < 4u; place++) {
         if pushed.spheres[place] == sphere {
             found = PushedVelocity(found.velocity + pushed.velocities[place], true);
-        }
-    }
-    if RIGID_BODIES {
-        let body = body_of_sphere(sphere);
-        for (var side = 0u; side < 2u; side++) {
-            let push = pushed.bodies[side];
-            if (body != NO_RIGID) && (rigid_record(body) == push.record) {
-                found = PushedVelocity(push.velocity + cross(push.spin, lever_on_body(push.record, sphere, 0.0)), true);
-            }
         }
     }
     return found;

@@ -6,7 +6,6 @@
 //! RK4. Every pass also writes the record of the body in the
 //! topology, with the centre and the inertia in that state, which contacts read. Pass [`BEFORE_STEP`] moves no body: a rejected
 //! step may have left another record, and in a world that was just packed the spheres have not been placed by the device.
-//! Pass [`AFTER_COLLISIONS`] places the spheres of the bodies that `push_bodies` has changed.
 //!
 //! A body whose new state is not finite keeps its place and stops, and its first sphere is reported.
 
@@ -19,8 +18,7 @@ use crate::model::buffer::Buffer;
 use crate::model::counters::Tally;
 use crate::model::dispatch::Threads;
 use crate::model::layout::{
-    AFTER_COLLISIONS, AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, DRIFTED_ROW, GRAIN, PUSHED_ROW, RATE_WORDS,
-    RESIDUE_ROW, RIGID_ROWS, STAGE_ROW,
+    AFTER_DRIFT, AFTER_EULER, AFTER_KICK, BEFORE_STEP, DRIFTED_ROW, GRAIN, RATE_WORDS, RESIDUE_ROW, RIGID_ROWS, STAGE_ROW,
 };
 use crate::model::part::part;
 use crate::model::residue::{Increased, increased};
@@ -188,9 +186,6 @@ fn move_bodies(world: &mut World, pass: u32) {
     if world.step.layout.rigid_bodies == 0 || (pass != BEFORE_STEP && world.status.rejected != 0) {
         return;
     }
-    if pass == AFTER_COLLISIONS {
-        return place_pushed(world);
-    }
     let moved = move_all(world, pass);
     for (body, moved) in moved.iter().enumerate() {
         world.rigid_bodies[body * RIGID_ROWS as usize..][..RIGID_ROWS as usize].copy_from_slice(&moved.rows);
@@ -204,45 +199,6 @@ fn move_bodies(world: &mut World, pass: u32) {
     for (body, Moved { pose, .. }) in (0..).zip(&moved) {
         world.put_record(body, pose);
     }
-}
-
-/// Places the spheres of the bodies that impulses have changed.
-fn place_pushed(world: &mut World) {
-    if world.status.rejected != 0 || world.status.collided != 2 {
-        return;
-    }
-    for body in 0..world.step.layout.rigid_bodies {
-        let rows = &mut world.rigid_bodies[(body * RIGID_ROWS) as usize..][..RIGID_ROWS as usize];
-        if std::mem::take(&mut rows[PUSHED_ROW as usize]) != Vec4::ZERO {
-            let pose = Pose::of(rows);
-            place_after_collisions(world, body, &pose);
-            world.put_record(body, &pose);
-        }
-    }
-}
-
-fn place_after_collisions(world: &mut World, body: u32, pose: &Pose) {
-    let view = View::new(&world.step, &world.topology, &world.states[0]);
-    let placed: Vec<(u32, [Vec4; 4])> = view.placed(body, *pose).collect();
-    let n = world.step.layout.spheres as usize;
-    let mut tally = Tally::default();
-    for (sphere, rows) in placed {
-        let slot = sphere as usize;
-        let state = &mut world.states[0];
-        let change = rows[1] - state[n + slot];
-        for (region, row) in rows.into_iter().enumerate() {
-            state[region * n + slot] = row;
-        }
-        let mut present = rows[1];
-        if world.step.is_half_step() {
-            state[4 * n + slot] += change;
-            present = state[4 * n + slot];
-        }
-        world.orientations[slot] = pose.orientation.into();
-        let view = View::new(&world.step, &world.topology, &world.states[0]);
-        tally.rebuild |= needs_rebuild(&view, &world.aabbs, sphere, row(&rows, 0), present.truncate());
-    }
-    tally.add_to(&mut world.status);
 }
 
 fn move_all(world: &mut World, pass: u32) -> Vec<Moved> {

@@ -137,17 +137,6 @@ fn moved_body(body: u32, form: Form) -> Pose {
     return pose;
 }
 
-// The velocity of a sphere at the time of the positions, after an impulse has changed the one that integrators read.
-fn present_after(i: u32, before: vec4f, after: vec4f) -> vec4f {
-    if HALF_STEP {
-        let at = 4u * step.spheres + i;
-        let present = vec4f(state[at].xyz + (after.xyz - before.xyz), after.w);
-        state[at] = present;
-        return present;
-    }
-    return after;
-}
-
 // Places the member spheres, and their orientations at the end of the step.
 fn place_members(form: Form, pose: Pose, is_new: bool) {
     let spin = spin_of_body(pose.orientation, form.moments, pose.momentum);
@@ -170,8 +159,6 @@ fn place_members(form: Form, pose: Pose, is_new: bool) {
         }
         if body_pass == AFTER_EULER {
             request_rebuild(i, vec4f(place.high, radius), velocity);
-        } else if body_pass == AFTER_COLLISIONS {
-            request_rebuild(i, vec4f(place.high, radius), present_after(i, before, velocity));
         }
     }
 }
@@ -198,17 +185,6 @@ fn put_record(body: u32, form: Form, pose: Pose) {
     put_vector(record + 7u, mixed);
     put_vector(record + 14u, pose.orientation.xyz);
     topology[record + 17u] = bitcast<u32>(pose.orientation.w);
-}
-
-// Places the spheres of a body that impulses have changed.
-fn place_pushed(body: u32, form: Form) {
-    if (pose_row(body, PUSHED_ROW).w == 0.0) | (atomicLoad(&status.collided) != 2u) {
-        return;
-    }
-    put_pose_row(body, PUSHED_ROW, vec4f(0.0));
-    let pose = start_of(body);
-    place_members(form, pose, true);
-    put_record(body, form, pose);
 }
 
 @compute @workgroup_size(64)
@@ -239,10 +215,6 @@ fn move_bodies(
         return;
     }
     if atomicLoad(&status.rejected) != 0u {
-        return;
-    }
-    if body_pass == AFTER_COLLISIONS {
-        place_pushed(body, form);
         return;
     }
     let pose = moved_body(body, form);

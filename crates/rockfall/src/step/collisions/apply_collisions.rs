@@ -52,7 +52,6 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         return;
     }
     world.impulses.clear();
-    world.pushes.clear();
     if world.status.collides == 0 {
         return;
     }
@@ -76,7 +75,7 @@ fn apply_collisions(world: &mut World, _pass: u32) {
         })
         .reduce(Tally::default, Tally::merge);
     tally.add_to(&mut world.status);
-    (world.impulses, world.pushes) = (outcome.impulses, outcome.pushes);
+    world.impulses = outcome.impulses;
 }
 
 /// Returns the state of a sphere after its collisions. Requests new lists if the sphere may then leave its AABB.

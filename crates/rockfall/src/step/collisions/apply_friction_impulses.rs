@@ -2,10 +2,8 @@
 //! 3.9).
 //!
 //! The limit of a friction impulse is `collision_friction` times the normal impulse of the contact in this step, plus
-//! `coulomb_friction` times the contact force times the time step. The new state of all spheres goes to `Y2`. For a sphere of a
-//! rigid body, the velocity in `Y2` is instead the sum of the impulses on it, and the angular momentum that of their torques about the centre
-//! of the body, which `push_bodies` applies. The stage does nothing in a rejected step, or when an earlier attempt at the step has done its
-//! collisions.
+//! `coulomb_friction` times the contact force times the time step. The new state of all spheres goes to `Y2`. The stage does
+//! nothing in a rejected step, or when an earlier attempt at the step has done its collisions.
 
 use rayon::prelude::*;
 
@@ -54,11 +52,9 @@ fn apply_friction_impulses(world: &mut World, _pass: u32) {
         .map(|mut rows| {
             let mut tally = Tally::default();
             for sphere in rows.spheres() {
-                let mut after = friction.rubbed(sphere);
-                if view.body_of_sphere(sphere).is_none() {
-                    let before = Motion::of(&view, sphere);
-                    after = after.or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
-                }
+                let before = Motion::of(&view, sphere);
+                let after = friction.rubbed(sphere);
+                let after = after.or_stopped(&before, BadStage::Collisions, view.insertion_index(sphere), &mut tally);
                 rows.set(&view, sphere, after);
             }
             tally

@@ -1,5 +1,5 @@
 // requires model/lists.wgsl model/objects.wgsl model/one_state.wgsl model/step.wgsl physics/collision.wgsl physics/contact.wgsl
-// requires physics/friction_impulses.wgsl physics/motion.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl step/collisions/rows.wgsl
+// requires physics/friction_impulses.wgsl physics/motion.wgsl step/collisions/rows.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read_write> next: array<vec4f>;
@@ -9,11 +9,11 @@
 @group(0) @binding(7) var<storage, read> collisions: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> status: StatusAtomic;
 
-// The sums of the friction impulses on a sphere, a capsule, or in the rows of a sphere of a rigid body.
+// The sums of the friction impulses on a sphere or a capsule.
 struct FrictionSums {
     // Sum of the impulses.
     velocity: vec3f,
-    // Sum of the torques. For a rigid body: about its centre of mass. For a capsule: the same, the part across the axis.
+    // Sum of the torques. For a capsule: about its centre of mass, the part across the axis.
     turning: vec3f,
     // For a capsule: the part of that sum along the axis.
     rolling: vec3f,
@@ -46,45 +46,22 @@ fn add_to_capsule(rub: FrictionImpulse, capsule: Capsule, rod: u32, row: u32, ru
     (*rubbed).rolling += grip.rolling;
 }
 
-fn add_to_body(rub: FrictionImpulse, row: u32, rubbed: ptr<function, FrictionSums>) {
-    let is_a = rub.a_id == row;
-    let torque = select(rub.arms.y, rub.arms.x, is_a) * cross(rub.n, rub.impulse);
-    let push = select(-rub.impulse, rub.impulse, is_a);
-    (*rubbed).velocity += push;
-    (*rubbed).turning += cross(select(rub.lever_b, rub.lever_a, is_a), push) + torque;
-}
-
-// The row r of sphere i of a rigid body, of a capsule if `rod` is not NONE, or of another sphere. NONE for rods that count elsewhere.
-fn friction_row(i: u32, body: u32, rod: u32, rods: vec2u, r: u32) -> u32 {
-    if RIGID_BODIES {
-        if body != NO_RIGID {
-            return row_of_member(body, i, rods, r);
-        }
-    }
-    return body_row(i, rod, rods, r);
-}
-
-// The sums for sphere i, of the rigid body `body` if it is not NO_RIGID, or for its capsule if `rod` is not NONE. There is one loop for all,
-// because software drivers compile a copy of `friction_impulse_of` for every call.
-fn friction_sums(i: u32, body: u32, rod: u32, capsule: Capsule) -> FrictionSums {
+// The sums for sphere i, or for its capsule if `rod` is not NONE. There is one loop for both, because software drivers compile
+// a copy of `friction_impulse_of` for every call.
+fn friction_sums(i: u32, rod: u32, capsule: Capsule) -> FrictionSums {
     var rubbed = FrictionSums(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     var rods = vec2u(0u);
     if RODS {
         rods = rods_of(i);
     }
     for (var r = 0u; r < body_rows(rod, rods); r++) {
-        let row = friction_row(i, body, rod, rods, r);
-        if row == NONE {
-            continue;
-        }
+        let row = body_row(i, rod, rods, r);
         let count = count_of(row);
         let first = first_of(row);
         for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
             for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
                 let rub = friction_impulse_of(row, slot_at(first, begin + firstTrailingBit(rest)));
-                if RIGID_BODIES & (body != NO_RIGID) {
-                    add_to_body(rub, row, &rubbed);
-                } else if RODS & (rod != NONE) {
+                if RODS & (rod != NONE) {
                     add_to_capsule(rub, capsule, rod, row, &rubbed);
                 } else {
                     add_to_sphere(rub, i, row, &rubbed);
@@ -115,13 +92,11 @@ fn end_after_friction(i: u32, rod: u32, capsule: Capsule, rubbed: FrictionSums) 
     return Motion(state[position_at(i)].xyz, low_row(i), velocity, angular_momentum);
 }
 
-// The new state of a sphere. For a sphere of a rigid body, the velocity and the angular momentum are instead the sums of the impulses in its
-// rows and of their torques about the centre of the body.
+// The new state of a sphere.
 fn motion_after_friction(i: u32) -> Motion {
     if inverse_mass(i) <= 0.0 {
         return Motion(state[position_at(i)].xyz, low_row(i), state[velocity_at(i)].xyz, state[momentum_at(i)].xyz);
     }
-    let body = body_of_sphere(i);
     var rod = NONE;
     var capsule = Capsule(vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0, 0.0, 0.0);
     if RODS {
@@ -130,10 +105,7 @@ fn motion_after_friction(i: u32) -> Motion {
             capsule = capsule_of(rod_ends(rod), side_motion(contact_side(i, 0.0)));
         }
     }
-    let rubbed = friction_sums(i, body, rod, capsule);
-    if body != NO_RIGID {
-        return Motion(state[position_at(i)].xyz, low_row(i), rubbed.velocity, rubbed.turning);
-    }
+    let rubbed = friction_sums(i, rod, capsule);
     if RODS & (rod != NONE) {
         return end_after_friction(i, rod, capsule, rubbed);
     }
@@ -151,7 +123,7 @@ fn apply_friction_impulses(
         return;
     }
     var after = motion_after_friction(i);
-    if (inverse_mass(i) > 0.0) & is_free(i) & !is_finite(after) {
+    if (inverse_mass(i) > 0.0) & !is_finite(after) {
         after = stopped(state[position_at(i)].xyz, low_row(i), 0u, i);
     }
     next[position_at(i)] = vec4f(after.position, state[position_at(i)].w);

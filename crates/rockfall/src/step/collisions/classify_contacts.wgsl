@@ -1,6 +1,6 @@
 // requires physics/surfaces_of_list.wgsl model/counters.wgsl model/entries.wgsl model/lists.wgsl model/objects.wgsl model/order.wgsl model/put_head.wgsl
 // requires model/step.wgsl physics/chain.wgsl physics/collision.wgsl physics/collision/plain.wgsl physics/contact.wgsl physics/geometry.wgsl
-// requires physics/escape.wgsl physics/seams_of_list.wgsl physics/rigid_parts.wgsl
+// requires physics/escape.wgsl physics/seams_of_list.wgsl
 
 // Decides which contacts are pressed, and which of them collide (docs/physics section 3.1).
 
@@ -40,9 +40,6 @@ fn bits_of(overlap: f32, approach: f32, inverse_mass: f32, radius: f32, a: u32, 
 // The bits of an entry of a mover. `velocity` is the velocity row of the mover, used only if the mover is a sphere.
 fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
     let id = entry_id(other.entry);
-    if has_forces_alone(own.id, id) {
-        return 0u;
-    }
     if are_plain(own.id, id) {
         let contact = plain_with(own.id, own.place, velocity, other);
         if contact.inverse_mass <= 0.0 {
@@ -51,7 +48,7 @@ fn classify(own: Own, velocity: vec4f, other: LoadedEntry) -> u32 {
         let radius = select(own.place.w, min(own.place.w, other.place.w), id < step.spheres);
         return bits_of(contact.overlap, contact.approach, contact.inverse_mass, radius, own.id, id);
     }
-    if !(RODS | RIGID_BODIES) {
+    if !RODS {
         return 0u;
     }
     let pair = ordered(own.id, id);

@@ -1,6 +1,6 @@
-//! Copies `Y2` to the state of all spheres after the friction impulses, in scenes that have them, but for those of rigid bodies, which
-//! `push_bodies` changes. Does nothing in a rejected step, or when an earlier attempt at the step has done its collisions. Requests new
-//! lists (`rebuild`) if a sphere may leave its AABB within the next step.
+//! Copies `Y2` to the state of all spheres after the friction impulses, in scenes that have them. Does nothing in a rejected
+//! step, or when an earlier attempt at the step has done its collisions. Requests new lists (`rebuild`) if a sphere may leave
+//! its AABB within the next step.
 
 use rayon::prelude::*;
 

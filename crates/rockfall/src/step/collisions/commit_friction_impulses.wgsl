@@ -1,4 +1,4 @@
-// requires model/step.wgsl model/two_states.wgsl physics/escape.wgsl physics/rigid_parts.wgsl step/commit_next_state.wgsl
+// requires model/step.wgsl model/two_states.wgsl physics/escape.wgsl step/commit_next_state.wgsl
 
 @group(0) @binding(2) var<storage, read_write> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> next: array<vec4f>;
@@ -14,10 +14,6 @@ fn commit_friction_impulses(
 ) {
     let i = wide_thread(group, groups, local);
     if (i >= step.spheres) | (atomicLoad(&status.rejected) != 0u) | (atomicLoad(&status.collided) != 2u) {
-        return;
-    }
-    if body_of_sphere(i) != NO_RIGID {
-        // `push_bodies` changes it.
         return;
     }
     commit_next_state(i, STATE_REGIONS);

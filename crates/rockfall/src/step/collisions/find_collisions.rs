@@ -117,9 +117,6 @@ fn mark(view: &View, crossings: Option<Crossings>, slice: &mut Slice, place: usi
 
 /// Returns the bits of a pair.
 fn classify(view: &View, mover: u32, entry: Entry) -> u32 {
-    if view.has_forces_alone([mover, entry.id()].map(|id| view.object(id))) {
-        return 0;
-    }
     let collision = Collision::between(view, mover, entry.id(), entry.feature());
     collision.map_or(0, |collision| entry_bits(view, collision.is_pressed(view), collision.collides(view)))
 }

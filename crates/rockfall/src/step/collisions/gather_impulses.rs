@@ -1,6 +1,6 @@
-//! Sums the impulses on bodies that many collisions share (docs/physics section 3.7): computes the changes of velocity of large spheres,
-//! and for each sphere of a rigid body the sums of the impulses in its rows and of their torques. Pass m takes the impulses after m sweeps.
-//! There is one workgroup per large sphere, because hundreds of collisions may share one, or a thread per sphere.
+//! Sums the impulses on bodies that many collisions share (docs/physics section 3.7): computes the changes of velocity of large
+//! spheres. Pass m takes the impulses after m sweeps. There is one workgroup per large sphere, because hundreds of collisions
+//! may share one.
 
 use crate::model::buffer::Buffer;
 use crate::model::dispatch::Threads;

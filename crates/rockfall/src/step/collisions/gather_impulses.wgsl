@@ -1,5 +1,5 @@
 // requires model/lists.wgsl model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision/impulses.wgsl
-// requires physics/collision/body_impulses.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
+// requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/ordered_sums.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
@@ -32,32 +32,12 @@ fn impulses_on_large_sphere(sphere: u32, local: u32) -> vec3f {
     return first_sum();
 }
 
-// Sums the impulses in the rows of a sphere of a rigid body, and their torques about the centre of the body.
-fn gather_member(sphere: u32) {
-    if (sphere >= step.spheres) | !has_changes() | (atomicLoad(&status.clustered) == 0u) {
-        return;
-    }
-    let body = body_of_sphere(sphere);
-    if body == NO_RIGID {
-        return;
-    }
-    var kick = no_kick();
-    add_rows_of_member(body, rigid_record(body), sphere, pass_.index, &kick);
-    next[velocity_at(sphere)] = vec4f(kick.impulse, 0.0);
-    next[momentum_at(sphere)] = vec4f(kick.torque, 0.0);
-}
-
 @compute @workgroup_size(64)
 fn gather_impulses(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
     @builtin(local_invocation_index) local: u32,
 ) {
-    // Scenes with rigid bodies have no large spheres.
-    if RIGID_BODIES {
-        gather_member(linear_thread(group, groups, local));
-        return;
-    }
     let number = linear_group(group, groups);
     if number >= step.large {
         return;

@@ -1,4 +1,4 @@
-// requires model/lists.wgsl model/objects.wgsl model/step.wgsl physics/rigid_parts.wgsl
+// requires model/lists.wgsl model/objects.wgsl model/step.wgsl
 
 // Which lists hold the contacts of a sphere, and which capsule or network the sphere belongs to.
 
@@ -46,24 +46,9 @@ fn at_on_capsule(rod: u32, row: u32, at: f32) -> f32 {
     return at;
 }
 
-// Row r of a sphere of a rigid body: the sphere itself, or a rod of the body that begins in it. NONE for other rods.
-fn row_of_member(body: u32, sphere: u32, rods: vec2u, r: u32) -> u32 {
-    if r == 0u {
-        return sphere;
-    }
-    let rod = index_of(topology[rods.x + r - 1u]);
-    let is_own = (rod_ends(rod).x == sphere) && (rigid_body_of(step.spheres + rod) == body);
-    return select(NONE, step.spheres + rod, is_own);
-}
-
-// Whether a collision may change the state of a sphere that belongs to no rigid body: `push_bodies` changes the others. The result is
-// true for every sphere of a network, because it would take too long to check all rows of the network.
+// Whether a collision may change the state of a sphere. The result is true for every sphere of a network, because it would take
+// too long to check all rows of the network.
 fn takes_part_in_any(sphere: u32) -> bool {
-    if RIGID_BODIES {
-        if body_of_sphere(sphere) != NO_RIGID {
-            return false;
-        }
-    }
     let rods = rods_of(sphere);
     for (var r = 0u; r < 1u + 2u * rods.y; r++) {
         let row = row_of(sphere, rods, r);

@@ -23,7 +23,7 @@ pub(crate) const STAGE: Stage = Stage {
 
 /// Whether one workgroup may do all sweeps when there are few collisions.
 pub(crate) fn fits(traits: &Traits) -> bool {
-    !(traits.networks || traits.large || traits.rigid)
+    !(traits.networks || traits.large)
 }
 
 /// Does nothing: on the CPU, `apply_collisions` solves all collisions.

@@ -1,5 +1,4 @@
-// requires model/objects.wgsl model/collision_state.wgsl model/order.wgsl model/step.wgsl physics/collision.wgsl
-// requires physics/collision/impulses.wgsl physics/rigid.wgsl physics/rigid_lever.wgsl physics/rigid_parts.wgsl
+// requires model/objects.wgsl model/collision_state.wgsl model/step.wgsl physics/collision.wgsl physics/collision/impulses.wgsl
 // requires physics/collision/cluster.wgsl step/collisions/has_changes.wgsl step/collisions/records.wgsl
 // requires step/collisions/rows.wgsl step/large_spheres/workgroup_per_sphere.wgsl
 
@@ -28,30 +27,10 @@ fn change_of(sphere: u32, sweeps: u32) -> vec3f {
     return w * impulses_on(sphere, sweeps);
 }
 
-// The change of the velocity of the side of a rigid body, at the contact, by the sums of `gather_impulses`.
-fn change_on_body(half: ContactSide) -> vec3f {
-    let body = rigid_body_of(half.id);
-    let record = rigid_record(body);
-    var impulse = vec3f(0.0);
-    var torque = vec3f(0.0);
-    for (var member = 0u; member < topology[record + 13u]; member++) {
-        let sphere = id_of(topology[topology[record + 12u] + member]);
-        impulse += next[velocity_at(sphere)].xyz;
-        torque += next[momentum_at(sphere)].xyz;
-    }
-    let turning = by_inverse_inertia(record, torque);
-    return float_at(record + 3u) * impulse + cross(turning, lever_on_body(record, half.id, half.at));
-}
-
 // The change of velocity of one side of a contact, at the contact, after this number of sweeps.
 fn change_at(half: ContactSide, sweeps: u32) -> vec3f {
     if half.kind == STATIC {
         return vec3f(0.0);
-    }
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            return change_on_body(half);
-        }
     }
     if !RODS | (half.kind == SPHERE) {
         return change_of(half.spheres.x, sweeps);

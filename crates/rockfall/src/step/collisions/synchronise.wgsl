@@ -6,7 +6,7 @@
 @group(0) @binding(4) var<storage, read> status: Status;
 
 // The acceleration of a sphere by everything but contacts and damping. That of a sphere of a rigid body follows from the loads of all its spheres
-// (docs/physics section 3.11). There is one loop for both, because software drivers compile a copy of a function for each call.
+// (docs/physics section 3.1). There is one loop for both, because software drivers compile a copy of a function for each call.
 fn accelerated(i: u32) -> vec3f {
     var record = NONE;
     var count = 1u;

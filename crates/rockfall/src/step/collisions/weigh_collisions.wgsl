@@ -2,7 +2,7 @@
 // requires physics/collision/other_collisions.wgsl physics/collision/couplings.wgsl physics/collision/impulses.wgsl
 // requires physics/chain.wgsl physics/collision/plain.wgsl physics/collision/lone.wgsl physics/contact.wgsl physics/geometry.wgsl physics/pairs.wgsl
 // requires step/collisions/has_changes.wgsl step/collisions/record_of.wgsl step/collisions/records.wgsl
-// requires model/order.wgsl physics/collision/body_impulses.wgsl physics/rigid_parts.wgsl step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
+// requires step/collisions/rows.wgsl step/collisions/report_clusters.wgsl
 
 @group(0) @binding(2) var<storage, read> state: array<vec4f>;
 @group(0) @binding(3) var<storage, read> topology: array<u32>;
@@ -81,7 +81,7 @@ fn weigh_bodies(k: Record, r: u32) -> Weight {
         // A sphere has one end, and both ends of a capsule have the same rows.
         let ends = select(u32(half.kind != STATIC), 2u, (half.kind == ROD) && !is_of_network(half));
         for (var end = 0u; end < ends; end++) {
-            let one = weight_of_end(k, r, half, side, end, network_weight(r, 2u * side + end));
+            let one = weight_of_end(k, half, end, network_weight(r, 2u * side + end));
             sum.weight += one.weight;
             sum.inverse_mass += one.inverse_mass;
             sum.is_undisturbed &= one.is_undisturbed;
@@ -97,12 +97,7 @@ fn is_of_network(rod: ContactSide) -> bool {
 }
 
 // What one end of a side adds. `of_network` is the `network_weight` of the end.
-fn weight_of_end(k: Record, number: u32, half: ContactSide, side: u32, end: u32, of_network: vec3f) -> Weight {
-    if RIGID_BODIES {
-        if half.kind == BODY {
-            return weight_of_body(k, number, half, select(1.0, -1.0, side == 1u));
-        }
-    }
+fn weight_of_end(k: Record, half: ContactSide, end: u32, of_network: vec3f) -> Weight {
     if (half.kind == ROD) && is_of_network(half) {
         return weight_of_network(of_network);
     }
@@ -124,47 +119,6 @@ fn weight_of_end(k: Record, number: u32, half: ContactSide, side: u32, end: u32,
         weight = f32(1u + company.others) * inverse_mass;
     }
     return Weight(weight, inverse_mass, company.is_undisturbed, company.others, false);
-}
-
-// What a rigid body adds: the sum of the absolute couplings with all collisions on it. It is undisturbed when no other pressed contact
-// touches it. Also collects the couplings. `sign` is 1 for side A, -1 for side B.
-fn weight_of_body(k: Record, number: u32, half: ContactSide, sign: f32) -> Weight {
-    let body = rigid_body_of(half.id);
-    let hold = hold_of(half, side_motion(half), k.n);
-    var sum = Weight(0.0, hold.inverse_mass, true, 0u, false);
-    for (var member = 0u; member < topology[hold.record + 13u]; member++) {
-        let sphere = id_of(topology[topology[hold.record + 12u] + member]);
-        let rods = rods_of(sphere);
-        for (var r = 0u; r <= rods.y; r++) {
-            let row = row_of_member(body, sphere, rods, r);
-            if row != NONE {
-                add_couplings_of_row(k, number, hold, row, sign, &sum);
-            }
-        }
-    }
-    return sum;
-}
-
-fn add_couplings_of_row(k: Record, number: u32, hold: Hold, row: u32, sign: f32, sum: ptr<function, Weight>) {
-    let count = count_of(row);
-    let first = first_of(row);
-    for (var begin = 0u; begin < count; begin += ENTRIES_PER_MASK) {
-        for (var rest = entries_with(ENTRY_OVERLAPS, first, begin, count); rest != 0u; rest &= rest - 1u) {
-            let slot = slot_at(first, begin + firstTrailingBit(rest));
-            let entry = entry_at(slot);
-            (*sum).is_undisturbed &= is_same(k, row, entry);
-            if (entry & ENTRY_COLLIDES) == 0u {
-                continue;
-            }
-            let r = record_of(slot);
-            let l = record_at(r);
-            let torque = cross(lever_of_record(hold.record, row, l), l.n);
-            let along = float_at(hold.record + 3u) * dot(k.n, l.n) + dot(hold.turning, torque);
-            (*sum).weight += abs(along);
-            (*sum).others += u32(r != number);
-            put_coupling(r, number, sign * select(1.0, -1.0, l.a_id == row) * along);
-        }
-    }
 }
 
 fn weight_of_network(of_network: vec3f) -> Weight {
@@ -284,7 +238,7 @@ fn weigh_collisions(
     }
     let records = listed_records();
     for (var r = linear_thread(group, groups, local); r < records; r += groups.x * groups.y * WORKGROUP) {
-        if RODS | RIGID_BODIES {
+        if RODS {
             weigh(r);
         } else {
             weigh_plain(r);
