@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use rockfall::Simulation;
 use rockfall::glam::Vec3;
-use rockfall_viewer::camera::Direction;
+use rockfall_viewer::camera::{Direction, Vertical};
 use rockfall_viewer::draw::{Background, ColourBy, Range, Style};
 use rockfall_viewer::film::Format;
 use rockfall_viewer::palette::Rgb;
@@ -81,6 +81,9 @@ pub(crate) struct Arguments {
     /// Direction from which the camera looks, if its position is not given: front, side, top or iso [default: obliquely from above]
     #[arg(long, value_name = "NAME", value_parser = Direction::named, conflicts_with = "camera")]
     view: Option<Direction>,
+    /// Axis to the top of the picture: y, z or auto, opposite to gravity if that is along an axis, else y
+    #[arg(long, value_name = "AXIS", default_value = "auto", value_parser = Vertical::named)]
+    up: Vertical,
     /// Position of the camera [default: chosen so that all that happens is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     camera: Option<[f32; 3]>,
@@ -106,7 +109,7 @@ pub(crate) struct Arguments {
     /// Colour of the background, or two: at the horizon and straight up
     #[arg(long, value_name = "COLOUR[,COLOUR]", value_parser = colours::background)]
     background: Option<[Rgb; 2]>,
-    /// Direction from the scene towards the sun [default: -0.45,0.8,0.4]
+    /// Direction from the scene towards the sun [default: -0.45,0.8,0.4 with y up]
     #[arg(long, value_name = "X,Y,Z", value_parser = light, allow_hyphen_values = true)]
     light: Option<[f32; 3]>,
     #[command(flatten)]
@@ -250,7 +253,7 @@ impl Arguments {
         if let Some([horizon, zenith]) = self.background {
             style.background = Background { horizon, zenith };
         }
-        style.light = self.light.map_or(style.light, Vec3::from);
+        style.light = self.light.map(Vec3::from);
         style
     }
 

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use rockfall::{Backend, Options, Scene, Simulation};
 use rockfall_trajectory::Reader;
-use rockfall_viewer::camera::Direction;
+use rockfall_viewer::camera::{Direction, Vertical};
 use rockfall_viewer::draw::Style;
 use rockfall_viewer::film::{Moment, surveyed};
 use rockfall_viewer::plot::{Plot, Quantity};
@@ -41,6 +41,9 @@ pub(crate) struct Arguments {
     /// Direction from which the camera looks: front, side, top or iso [default: obliquely from above]
     #[arg(long, value_name = "NAME", value_parser = Direction::named)]
     view: Option<Direction>,
+    /// Axis to the top of the picture: y, z or auto, opposite to gravity if that is along an axis, else y
+    #[arg(long, value_name = "AXIS", default_value = "auto", value_parser = Vertical::named)]
+    up: Vertical,
     /// Keep this body where it is in the picture: a name in the scene, or the number of a sphere
     #[arg(long, value_name = "BODY", value_parser = Named::parse)]
     follow: Option<Named>,
@@ -99,7 +102,7 @@ impl Shown {
             }
             Input::Trajectory(reader) => {
                 given.refuse_for_trajectory(&name)?;
-                let (scene, playback) = playback(name.clone(), *reader)?;
+                let (scene, playback) = playback(name.clone(), *reader, arguments.up)?;
                 let time_step = playback.time_step().unwrap_or(arguments.physics.dt_for(&scene));
                 Ok(Self { name, scene, warnings: Vec::new(), options, time_step, playback: Some(playback), path: None })
             }
@@ -109,12 +112,12 @@ impl Shown {
 
 /// Returns the scene and what plays the frames. The scene has the states of the first frame where the spheres are the same in all of
 /// them, otherwise all spheres.
-fn playback(name: String, mut reader: Reader) -> Result<(Scene, Playback), Failure> {
+fn playback(name: String, mut reader: Reader, up: Vertical) -> Result<(Scene, Playback), Failure> {
     let mut simulation = Simulation::with_options(reader.scene().clone(), Options::new().backend(Backend::Cpu))?;
     reader.show(0, &mut simulation).map_err(Failure::usage)?;
     let first = simulation.sync()?.clone();
     let frames: Vec<Moment> = (0..reader.moments().len() as u64).map(|step| Moment { step, blend: 0.0 }).collect();
-    let mut survey = Survey::new(&first);
+    let mut survey = Survey::with_up(&first, up.of(&first));
     for moment in surveyed(&frames).skip(1) {
         reader.show(moment.step as usize, &mut simulation).map_err(Failure::usage)?;
         survey.add(simulation.sync()?);
@@ -200,6 +203,7 @@ pub(crate) fn view(arguments: &Arguments, given: &Given) -> Result<(), Failure> 
         style,
         prepare: Some(prepare(arguments.colour.clone())),
         view: arguments.view.unwrap_or_default(),
+        up: arguments.up,
         follow: arguments.follow.clone().map(|followed| find(followed, "--follow")),
         plotted: plotted.into_iter().map(|body| find(body, "--plot")).collect(),
         joints: arguments.plot.iter().filter(|plot| matches!(plot.quantity(), Quantity::Joint(_))).cloned().collect(),

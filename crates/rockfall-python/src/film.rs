@@ -100,7 +100,8 @@ impl Shooting {
             false => plotted(&moments),
         };
         to_survey.reverse();
-        let survey = is_known.then(|| Survey::new(scene));
+        let up = look.up(scene)?;
+        let survey = is_known.then(|| Survey::with_up(scene, up));
         let start = if is_known { None } else { Some(simulation.checkpoint().or_raise()?) };
         let mut tools = Tools::new(simulation, look.layout().scene().into())?;
         tools.renderer.set_overlay(&overlay);
@@ -156,7 +157,7 @@ impl Shooting {
         let scene = simulation.sync().or_raise()?;
         match &mut self.survey {
             Some(survey) => survey.add(scene),
-            None => self.survey = Some(Survey::new(scene)),
+            None => self.survey = Some(Survey::with_up(scene, self.look.up(scene)?)),
         }
         Ok(())
     }
@@ -207,7 +208,8 @@ impl Shooting {
     fn begin(&mut self, simulation: &mut rockfall::Simulation) -> PyResult<Shot> {
         let [width, height] = self.look.layout().scene();
         let scene = simulation.sync().or_raise()?;
-        let survey = self.survey.take().unwrap_or_else(|| Survey::new(scene));
+        let up = self.look.up(scene)?;
+        let survey = self.survey.take().unwrap_or_else(|| Survey::with_up(scene, up));
         let shot = Shot::new(&self.view, &survey, scene, width as f32 / height as f32).or_raise()?;
         let shot =
             shot.ok_or_else(|| PyValueError::new_err("camera and look_at are the same point, expected two different points"))?;

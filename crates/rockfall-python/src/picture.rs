@@ -5,8 +5,9 @@ use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rockfall::exec::gpu::Gpu;
+use rockfall::glam::Vec3;
 use rockfall::{Body, Scene, SphereId};
-use rockfall_viewer::camera::{Camera, Direction};
+use rockfall_viewer::camera::{Camera, Direction, Up, Vertical};
 use rockfall_viewer::draw::{ColourBy, Range, Renderer, Style};
 use rockfall_viewer::legend::Corner;
 use rockfall_viewer::overlay::{self, Arrows, Overlay, body_number};
@@ -64,6 +65,7 @@ pub(crate) struct Look {
     pub(crate) camera: Option<[f32; 3]>,
     pub(crate) look_at: Option<[f32; 3]>,
     pub(crate) view: Option<String>,
+    up: String,
     pub(crate) plain: bool,
     title: Option<String>,
     clock: bool,
@@ -94,6 +96,12 @@ impl Look {
     pub(crate) fn direction(&self) -> PyResult<Direction> {
         let Some(name) = &self.view else { return Ok(Direction::default()) };
         Direction::named(name).map_err(|expected| PyValueError::new_err(format!("view: {name:?} is not known, {expected}")))
+    }
+
+    /// The axis to the top of pictures of a scene.
+    pub(crate) fn up(&self, scene: &Scene) -> PyResult<Up> {
+        let wrong = |expected| PyValueError::new_err(format!("up: {:?} is not known, {expected}", self.up));
+        Vertical::named(&self.up).map_err(wrong).map(|vertical| vertical.of(scene))
     }
 
     /// The text, arrows and trails over the picture.
@@ -160,7 +168,8 @@ impl Look {
     /// The camera for the state of a simulation.
     fn framing(&self, simulation: &mut rockfall::Simulation) -> PyResult<Camera> {
         let [width, height] = self.layout().scene();
-        let survey = Survey::new(simulation.sync().or_raise()?);
+        let scene = simulation.sync().or_raise()?;
+        let survey = Survey::with_up(scene, self.up(scene)?);
         let framing = Camera::of_survey(&survey, simulation.scene(), width as f32 / height as f32, self.direction()?, false);
         let eye = self.camera.map_or(framing.eye, Into::into);
         let target = self.look_at.map_or(framing.target, Into::into);
@@ -270,19 +279,20 @@ impl Studio {
             }
             tools.renderer.update(own, &style).or_raise()?;
             let legend = look.colour_by.as_ref().map(|_| tools.renderer.legend(&style));
-            let corner = legend.map(|legend| overlay.corner(&legend, &Survey::new(own.scene()), &camera, layout.scene()));
+            let survey = || Survey::with_up(own.scene(), camera.up);
+            let corner = legend.map(|legend| overlay.corner(&legend, &survey(), &camera, layout.scene()));
             let picture = tools.take(&camera, &style, &overlay, corner)?;
             layout.complete(picture, tools.renderer.motion().plots()).or_raise().map(Picture)
         })
     }
 }
 
-/// The position and the target of the camera that [`Studio::take`] uses.
+/// The position and the target of the camera that [`Studio::take`] uses, and the vectors upwards and to the front.
 #[pyfunction]
-pub(crate) fn framing(simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<([f32; 3], [f32; 3])> {
+pub(crate) fn framing(simulation: &Bound<'_, Simulation>, look: Look) -> PyResult<[[f32; 3]; 4]> {
     simulation.get().read(simulation.py(), |running| {
         let camera = look.framing(&mut running.simulation)?;
-        Ok((camera.eye.to_array(), camera.target.to_array()))
+        Ok([camera.eye, camera.target, camera.up.vector(), camera.up.to_scene(Vec3::Z)].map(|vector| vector.to_array()))
     })
 }
 

@@ -152,6 +152,7 @@ SIMULATION: list[tuple[Callable[[rf.Simulation], Any], type[Exception], str]] = 
     (lambda s: s.render(size=(9, 9), range=(2, 1)), ValueError, "range: expected two numbers"),
     (lambda s: s.render(size=(9, 9), camera=[1, 2]), ValueError, "camera: expected shape"),
     (lambda s: s.render(size=(9, 9), view="below"), ValueError, "view: .*below.* expected one of: front"),
+    (lambda s: s.render(size=(9, 9), up="x"), ValueError, "up: .*x.* expected one of: y, z, auto"),
     (lambda s: s.render(size=(9, 9), view="top", camera=[1, 2, 3]), ValueError, "view, camera: expected only one"),
     (lambda s: s.render(size=(9, 9), arrows="spin"), ValueError, "arrows: .*spin.* expected one of: velocity"),
     (lambda s: s.render(size=(9, 9), camera=[1, 2, 3], look_at=[1, 2, 3]), ValueError, "camera and look_at are the same"),

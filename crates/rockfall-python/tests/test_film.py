@@ -67,7 +67,7 @@ def test_camera_follow_orbit_speed_and_colours_change_the_film(sim: rf.Simulatio
     plain = last()
     moved: list[dict[str, object]] = [{"camera": [0, 5, 10]}, {"look_at": [1, 0, 0]}, {"follow": 0}, {"orbit": 90.0}]
     written: list[dict[str, object]] = [{"title": "A"}, {"clock": True}, {"scale_bar": True}, {"label": True}, {"trails": 1.0}]
-    for options in (*moved, {"view": "top"}, {"colour_by": "speed"}, *written, {"arrows": "velocity"}):
+    for options in (*moved, {"view": "top"}, {"up": "z"}, {"colour_by": "speed"}, *written, {"arrows": "velocity"}):
         assert not np.array_equal(plain, last(**options)), options
     assert len(rf.film(rf.Simulation(scene, dt=0.01, backend="cpu"), 40, fps=10, speed=0.5, size=SIZE, plain=True)) == 9
     # The followed ball stays in the middle while it rolls.

@@ -54,14 +54,14 @@ impl Block {
         self.into * (point - self.corner)
     }
 
-    /// Whether a ball lies on the block.
-    pub(crate) fn carries(&self, place: Vec3, radius: f32) -> bool {
+    /// Whether a ball lies on the block, for a unit vector upwards.
+    pub(crate) fn carries(&self, place: Vec3, radius: f32, up: Vec3) -> bool {
         let down = place - self.point(self.local(place).clamp(Vec3::ZERO, self.most));
-        down.length() < TOUCH * radius && down.y > 0.5 * radius
+        down.length() < TOUCH * radius && down.dot(up) > 0.5 * radius
     }
 
-    /// The upper face.
-    pub(crate) fn top(&self) -> Top {
+    /// The upper face, for a unit vector upwards.
+    pub(crate) fn top(&self, up: Vec3) -> Top {
         // That of a polygon is its solid side.
         let axes = if self.most.z == 0.0 { 2..3 } else { 0..3 };
         let faces = axes.flat_map(|axis| [(axis, 0.0), (axis, self.most[axis])]);
@@ -75,7 +75,7 @@ impl Block {
                 height: self.most[axis] * edge.length(),
             }
         });
-        let top = faces.reduce(|one, other| if other.normal.y > one.normal.y { other } else { one });
+        let top = faces.reduce(|one, other| if other.normal.dot(up) > one.normal.dot(up) { other } else { one });
         top.expect("a block has faces")
     }
 
@@ -98,14 +98,14 @@ mod tests {
 
     #[test]
     fn the_upper_face_is_that_of_a_box_and_the_solid_side_of_a_polygon() {
-        let top = Block::of_box(&Cuboid::between([0.0, 1.0, 0.0], [2.0, 4.0, 5.0])).top();
+        let top = Block::of_box(&Cuboid::between([0.0, 1.0, 0.0], [2.0, 4.0, 5.0])).top(Vec3::Y);
         assert_eq!((top.normal, top.corner.y, top.height), (Vec3::Y, 4.0, 3.0));
         assert_eq!(top.sides.iter().product::<f32>(), 10.0);
         for (polygon, normal) in [
             (Polygon::new([0.0; 3], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0]), Vec3::Y),
             (Polygon::new([0.0; 3], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0]), Vec3::NEG_Y),
         ] {
-            let top = Block::of_polygon(&polygon).top();
+            let top = Block::of_polygon(&polygon).top(Vec3::Y);
             assert_eq!((top.normal, top.height), (normal, 0.0));
         }
     }
@@ -113,13 +113,13 @@ mod tests {
     #[test]
     fn a_ball_lies_on_what_is_below_it() {
         let cuboid = Block::of_box(&Cuboid::between([0.0, 0.0, 0.0], [2.0, 1.0, 2.0]));
-        assert!(cuboid.carries(Vec3::new(1.0, 1.5, 1.0), 0.5));
-        assert!(!cuboid.carries(Vec3::new(1.0, 1.7, 1.0), 0.5));
-        assert!(!cuboid.carries(Vec3::new(2.5, 0.5, 1.0), 0.5));
+        assert!(cuboid.carries(Vec3::new(1.0, 1.5, 1.0), 0.5, Vec3::Y));
+        assert!(!cuboid.carries(Vec3::new(1.0, 1.7, 1.0), 0.5, Vec3::Y));
+        assert!(!cuboid.carries(Vec3::new(2.5, 0.5, 1.0), 0.5, Vec3::Y));
         let slope = Block::of_polygon(&Polygon::new([0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [2.0, 1.0, 0.0]));
         let above = Vec3::new(1.0, 0.5, 1.0) + 0.5 * Vec3::new(-1.0, 2.0, 0.0).normalize();
-        assert!(slope.carries(above, 0.5));
-        assert!(!slope.carries(above + Vec3::Y, 0.5));
+        assert!(slope.carries(above, 0.5, Vec3::Y));
+        assert!(!slope.carries(above + Vec3::Y, 0.5, Vec3::Y));
         assert_eq!(slope.corners()[3], Vec3::new(2.0, 1.0, 2.0));
     }
 }

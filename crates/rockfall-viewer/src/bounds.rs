@@ -7,6 +7,7 @@ use crate::block::Block;
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::joints::fixed_ends;
 use crate::survey::Survey;
+use crate::up::Up;
 
 /// Static objects larger than this times the extent of the spheres are surroundings and need not be in the picture. A bin around the
 /// spheres is smaller.
@@ -44,7 +45,7 @@ pub fn bounds(scene: &Scene) -> (Vec3, Vec3) {
 pub(crate) fn bounds_of_survey(survey: &Survey, scene: &Scene) -> (Vec3, Vec3) {
     let parts = survey.extent().map(|spheres| {
         let carriers = carriers(survey, spheres, scene).into_iter().filter_map(Extent::of);
-        surroundings(spheres, survey.moves(), scene).chain(carriers).fold(spheres, Extent::with)
+        surroundings(spheres, survey, scene).into_iter().chain(carriers).fold(spheres, Extent::with)
     });
     let all = || extents_of_static_objects(scene).reduce(Extent::with);
     let shown = parts.or_else(all).unwrap_or(Extent { min: -Vec3::ONE, max: Vec3::ONE });
@@ -55,10 +56,11 @@ pub(crate) fn bounds_of_survey(survey: &Survey, scene: &Scene) -> (Vec3, Vec3) {
 /// they may fall onto, and the corners of nearby objects.
 pub(crate) fn balls_to_show(survey: &Survey, scene: &Scene) -> Vec<(Vec3, f32)> {
     let Some(spheres) = survey.extent() else { return Vec::new() };
-    let objects: Vec<Extent> = surroundings(spheres, survey.moves(), scene).collect();
-    let bottom = objects.iter().map(|object| object.min.y).fold(spheres.min.y, f32::min);
+    let up = survey.up();
+    let objects = surroundings(spheres, survey, scene);
+    let bottom = objects.iter().map(|object| up.bottom(*object)).fold(up.bottom(spheres), f32::min);
     let mut balls = survey.balls();
-    let below: Vec<_> = balls.iter().map(|(place, _)| (place.with_y(bottom), 0.0)).collect();
+    let below: Vec<_> = balls.iter().map(|(place, _)| (*place + (bottom - up.height(*place)) * up.vector(), 0.0)).collect();
     balls.extend(below);
     balls.extend(objects.iter().flat_map(|object| object.corners()).map(|corner| (corner, 0.0)));
     balls.extend(carriers(survey, spheres, scene).into_iter().flatten().map(|corner| (corner, 0.0)));
@@ -71,18 +73,21 @@ fn carriers(survey: &Survey, spheres: Extent, scene: &Scene) -> Vec<[Vec3; 8]> {
     if !survey.moves() {
         return Vec::new();
     }
-    let is_candidate = |extent: Extent| extent.size() < CARRIERS_OF_FILM * spheres.size() && !is_under(extent, spheres);
+    let up = survey.up();
+    let is_under = |extent: Extent| is_under(up.level_extent(extent), up.level_extent(spheres));
+    let is_candidate = |extent: Extent| extent.size() < CARRIERS_OF_FILM * spheres.size() && !is_under(extent);
     let extents = extents_of_static_objects(scene);
     let blocks: Vec<Block> =
         Block::all(scene).zip(extents).filter(|(_, extent)| is_candidate(*extent)).map(|(block, _)| block).collect();
     let balls = survey.balls();
     let stride = (blocks.len() * balls.len()).div_ceil(MOST_TESTS) | 1;
-    let carries = |block: &&Block| balls.iter().step_by(stride).any(|(place, radius)| block.carries(*place, *radius));
+    let carries =
+        |block: &&Block| balls.iter().step_by(stride).any(|(place, radius)| block.carries(*place, *radius, up.vector()));
     blocks.iter().filter(carries).map(Block::corners).collect()
 }
 
 /// Whether an object is not higher than the ground that the spheres reach: a floor, or a low rim of it, which may run out of the
-/// picture.
+/// picture. Extents are in level coordinates, as in the next function.
 fn is_low(object: Extent, spheres: Extent) -> bool {
     object.max.y <= spheres.min.y + FLOOR * spheres.size()
 }
@@ -99,7 +104,9 @@ fn is_under(object: Extent, spheres: Extent) -> bool {
 /// Extents of what a picture should show in addition to the spheres: the points of tethers and distance joints, nearby objects that are not
 /// much larger than the spheres together, and as a vertical line the distance to what the spheres may fall onto. In a film the
 /// spheres have already fallen, so that is shown only if it is near.
-fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<Item = Extent> {
+fn surroundings(spheres: Extent, survey: &Survey, scene: &Scene) -> Vec<Extent> {
+    let (up, moves) = (survey.up(), survey.moves());
+    let spheres = up.level_extent(spheres);
     let size = spheres.size();
     let beside = spheres.grown(BESIDE * size);
     let (fall, most, room) = match moves {
@@ -107,7 +114,8 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
         false => (FALL_DISTANCE, SURROUNDINGS, ROOM_FOR_ALL),
     };
     let ground = if moves || scene.spheres().len() > FEW { fall } else { FALL_TO_GROUND };
-    let objects = extents_of_static_objects(scene).filter_map(move |object| {
+    let extents = || extents_of_static_objects(scene).map(|object| up.level_extent(object));
+    let objects = extents().filter_map(|object| {
         if is_under(object, spheres) {
             let middle = 0.5 * (spheres.min + spheres.max);
             let depth = spheres.min.y - object.max.y;
@@ -121,15 +129,16 @@ fn surroundings(spheres: Extent, moves: bool, scene: &Scene) -> impl Iterator<It
         let near = object.max.cmpge(spheres.min - 0.5 * size).all() && object.min.cmple(spheres.max + 0.5 * size).all();
         (near && object.size() < most * size).then(|| object.within(beside))
     });
-    let all = extents_of_static_objects(scene).filter(|object| !is_low(*object, spheres)).reduce(Extent::with);
+    let all = extents().filter(|object| !is_low(*object, spheres)).reduce(Extent::with);
     let all = all.filter(|all| all.with(spheres).size() < room * size).map(|all| all.within(beside));
     let points = scene.tethers().iter().map(|tether| tether.point);
-    objects.chain(all).chain(Extent::of(points.chain(fixed_ends(scene))))
+    let points = Extent::of(points.chain(fixed_ends(scene)));
+    objects.chain(all).map(|extent| up.scene_extent(extent)).chain(points).collect()
 }
 
 /// Extents of the places to which bodies may swing that rods, springs and tethers hold: their places mirrored at the middle of all
 /// that holds them, because a cradle swings to both sides, and the lowest point of every pendulum.
-pub(crate) fn room_to_swing(scene: &Scene) -> impl Iterator<Item = Extent> {
+pub(crate) fn room_to_swing(scene: &Scene, up: Up) -> impl Iterator<Item = Extent> {
     let sets = scene.bonded_sets(|_| true);
     let spheres = scene.spheres().iter().enumerate().filter(|(body, _)| sets.is_held(*body)).map(|(_, sphere)| sphere);
     let extent = |sphere: &Sphere| Extent::around(sphere.position, sphere.radius);
@@ -137,17 +146,19 @@ pub(crate) fn room_to_swing(scene: &Scene) -> impl Iterator<Item = Extent> {
     let points = scene.tethers().iter().map(|tether| Extent::around(tether.point, 0.0));
     let holders = fixed.into_iter().map(extent).chain(points).reduce(Extent::with);
     let bodies = bodies.into_iter().map(extent).reduce(Extent::with);
-    let swung = bodies.zip(holders).map(|(bodies, holders)| mirrored(bodies, holders));
-    let lowest = scene.rods().iter().filter_map(|rod| {
+    let swung = bodies
+        .zip(holders)
+        .map(|(bodies, holders)| up.scene_extent(mirrored(up.level_extent(bodies), up.level_extent(holders))));
+    let lowest = scene.rods().iter().filter_map(move |rod| {
         let [one, two] = [scene.sphere(rod.end1).ok()?, scene.sphere(rod.end2).ok()?];
         let (pivot, bob) = if one.fixed { (one, two) } else { (two, one) };
         let length = pivot.position.distance(bob.position);
-        (pivot.fixed && !bob.fixed).then(|| Extent::around(pivot.position - length * Vec3::Y, bob.radius))
+        (pivot.fixed && !bob.fixed).then(|| Extent::around(pivot.position - length * up.vector(), bob.radius))
     });
     swung.into_iter().chain(lowest)
 }
 
-/// An extent mirrored at the vertical line through the middle of another one.
+/// An extent of level coordinates, mirrored at the vertical line through the middle of another one.
 fn mirrored(extent: Extent, at: Extent) -> Extent {
     let both = at.min + at.max;
     let [min, max] = [extent.max, extent.min].map(|corner| both - corner);
@@ -263,11 +274,11 @@ pub(crate) mod tests {
             let ball = scene.add_sphere(Sphere::new(ball, 0.5)).unwrap();
             scene.add_rod(Rod::new(pivot, ball, 0.03)).unwrap();
         }
-        let room = room_to_swing(&scene).reduce(Extent::with).unwrap();
+        let room = room_to_swing(&scene, Up::Y).reduce(Extent::with).unwrap();
         assert!((room.max.x - 5.5).abs() < 1e-5 && (room.min.y + 0.5).abs() < 1e-5, "{room:?}");
         // A pendulum that begins level swings down.
-        assert!(room_to_swing(&scene).any(|extent| extent.min.abs_diff_eq(Vec3::new(-0.5, 0.5, -0.5), 1e-5)));
-        assert_eq!(room_to_swing(&tests::scene(&[])).count(), 0);
+        assert!(room_to_swing(&scene, Up::Y).any(|extent| extent.min.abs_diff_eq(Vec3::new(-0.5, 0.5, -0.5), 1e-5)));
+        assert_eq!(room_to_swing(&tests::scene(&[]), Up::Y).count(), 0);
     }
 
     #[test]

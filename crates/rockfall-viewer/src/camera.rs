@@ -6,6 +6,7 @@ use rockfall::glam::{Mat4, Quat, Vec3, Vec4};
 pub use crate::direction::Direction;
 use crate::extent::Extent;
 use crate::survey::Survey;
+pub use crate::up::{Up, Vertical};
 
 /// The default vertical field of view, in rad.
 const FIELD_OF_VIEW: f32 = 0.6;
@@ -14,7 +15,7 @@ const MARGIN: f32 = 1.12;
 /// Distance of the near plane divided by the distance of the target.
 const NEAR: f32 = 1e-3;
 
-/// A perspective camera; up is +y.
+/// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Position of the camera, in units.
@@ -23,6 +24,8 @@ pub struct Camera {
     pub target: Vec3,
     /// Vertical field of view in rad, greater than 0 and less than pi.
     pub field_of_view: f32,
+    /// The axis that points to the top of the picture.
+    pub up: Up,
 }
 
 /// Unit vectors of the camera.
@@ -37,13 +40,18 @@ pub struct Axes {
 }
 
 impl Camera {
-    /// Creates a camera at `eye` that looks at `target`.
+    /// Creates a camera at `eye` that looks at `target`; up is +y.
     pub fn new(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
-        Self { eye: eye.into(), target: target.into(), field_of_view: FIELD_OF_VIEW }
+        Self { eye: eye.into(), target: target.into(), field_of_view: FIELD_OF_VIEW, up: Up::Y }
+    }
+
+    /// The camera of level coordinates in coordinates of the scene.
+    fn with_up(self, up: Up) -> Self {
+        Self { eye: up.to_scene(self.eye), target: up.to_scene(self.target), up, ..self }
     }
 
     /// Creates a camera that looks from a direction and shows the whole of a bounding box; `aspect` is the width of the picture
-    /// divided by its height.
+    /// divided by its height. Up is +y.
     pub fn framing(min: Vec3, max: Vec3, aspect: f32, from: Direction) -> Self {
         let middle = (min + max) * 0.5;
         let camera = Self::new(middle + from.to_camera(), middle);
@@ -93,7 +101,7 @@ impl Camera {
         Some(Self { eye: target - distance * forward, target, ..camera })
     }
 
-    /// Creates a camera that shows the whole of a bounding box from all sides, when it orbits around its target.
+    /// Creates a camera that shows the whole of a bounding box from all sides, when it orbits around its target. Up is +y.
     pub fn framing_all_around(min: Vec3, max: Vec3, aspect: f32, from: Direction) -> Self {
         let middle = 0.5 * (min + max);
         let half = 0.5 * (max - min);
@@ -108,18 +116,21 @@ impl Camera {
     /// Creates a camera that shows what the moving bodies of a scene do in all states of a survey, and what they lie on. With
     /// `all_around`, it does so from all sides.
     pub fn of_survey(survey: &Survey, scene: &Scene, aspect: f32, from: Direction, all_around: bool) -> Self {
+        let up = survey.up();
         let (min, max) = crate::bounds::bounds_of_survey(survey, scene);
+        let Extent { min, max } = up.level_extent(Extent { min, max });
         if all_around {
-            return Self::framing_all_around(min, max, aspect, from);
+            return Self::framing_all_around(min, max, aspect, from).with_up(up);
         }
         let balls = crate::bounds::balls_to_show(survey, scene);
-        Self::fitting(&balls, aspect, from).unwrap_or_else(|| Self::framing(min, max, aspect, from))
+        let balls: Vec<_> = balls.into_iter().map(|(place, radius)| (up.to_level(place), radius)).collect();
+        Self::fitting(&balls, aspect, from).unwrap_or_else(|| Self::framing(min, max, aspect, from)).with_up(up)
     }
 
     /// Returns the camera turned around the vertical through its target by an angle in rad. Seen from above, a positive angle
     /// moves it counterclockwise.
     pub fn orbited(self, angle: f32) -> Self {
-        Self { eye: self.target + Quat::from_rotation_y(angle) * (self.eye - self.target), ..self }
+        Self { eye: self.target + Quat::from_axis_angle(self.up.vector(), angle) * (self.eye - self.target), ..self }
     }
 
     /// Returns the camera moved back and up, so that what it showed leaves this part of the picture free at the upper edge.
@@ -136,19 +147,25 @@ impl Camera {
     }
 
     /// Creates a camera that looks from a direction and shows the moving bodies of a scene, what they lie on or may fall onto, and
-    /// the places to which hanging bodies may swing.
+    /// the places to which hanging bodies may swing. Up is opposite to gravity, as in [`Up::of`].
     pub fn of_scene(scene: &Scene, aspect: f32, from: Direction) -> Self {
-        let (min, max) = crate::bounds::bounds(scene);
-        let shown = crate::bounds::room_to_swing(scene).fold(Extent { min, max }, Extent::with);
-        Self::framing(shown.min, shown.max, aspect, from)
+        Self::of_scene_with_up(scene, Up::of(scene), aspect, from)
+    }
+
+    /// [`Camera::of_scene`] with another axis upwards.
+    pub fn of_scene_with_up(scene: &Scene, up: Up, aspect: f32, from: Direction) -> Self {
+        let (min, max) = crate::bounds::bounds_of_survey(&Survey::with_up(scene, up), scene);
+        let shown = crate::bounds::room_to_swing(scene, up).fold(Extent { min, max }, Extent::with);
+        let Extent { min, max } = up.level_extent(shown);
+        Self::framing(min, max, aspect, from).with_up(up)
     }
 
     /// Returns the unit vectors of the camera.
     pub fn axes(&self) -> Axes {
         let forward = (self.target - self.eye).try_normalize().unwrap_or(Vec3::NEG_Z);
-        // When the camera looks straight down or up, the top of the picture is -z or +z.
-        let level = forward.cross(Vec3::Y);
-        let right = if level.length_squared() > 1e-10 { level.normalize() } else { Vec3::X };
+        // When the camera looks straight down, the top of the picture is what is behind as seen from the front: -z for y up.
+        let level = forward.cross(self.up.vector());
+        let right = if level.length_squared() > 1e-10 { level.normalize() } else { self.up.to_scene(Vec3::X) };
         Axes { right, up: right.cross(forward), forward }
     }
 
@@ -177,6 +194,8 @@ impl Camera {
 
 #[cfg(test)]
 mod tests {
+    use rockfall::{Cuboid, Rod, Sphere};
+
     use super::*;
 
     const ASPECT: f32 = 1.6;
@@ -285,6 +304,52 @@ mod tests {
                 }
                 assert!((0.85..=1.0).contains(&extent), "{min} {max} {aspect}: {extent}");
             }
+        }
+    }
+
+    /// A scene with a floor, a step, balls and a pendulum, turned so that this axis is up.
+    fn scene(up: Up) -> Scene {
+        let at = |x: f32, y: f32, z: f32| up.to_scene(Vec3::new(x, y, z));
+        let mut scene = Scene::new();
+        scene.settings.gravity_direction = -up.vector();
+        for k in 0..5 {
+            scene.add_sphere(Sphere::new(at(k as f32, 1.0 + 0.5 * k as f32, 0.3), 0.4)).unwrap();
+        }
+        let pivot = scene.add_sphere(Sphere::new(at(2.0, 6.0, 1.0), 0.1).fixed()).unwrap();
+        let bob = scene.add_sphere(Sphere::new(at(4.0, 6.0, 1.0), 0.3)).unwrap();
+        scene.add_rod(Rod::new(pivot, bob, 0.03)).unwrap();
+        for (corner, size) in [(at(-9.0, -1.0, -9.0), at(18.0, 1.0, 18.0)), (at(5.0, 0.0, 0.0), at(1.0, 2.0, 1.0))] {
+            scene.add_box(Cuboid::between(corner, corner + size)).unwrap();
+        }
+        scene
+    }
+
+    #[test]
+    fn the_camera_turns_with_the_direction_of_gravity() {
+        let same = |up: Up, turned: Camera, level: Camera| {
+            assert_eq!(turned.up, up);
+            let [eye, target] = [turned.eye, turned.target].map(|point| up.to_level(point));
+            assert!(eye.distance(level.eye) + target.distance(level.target) < 1e-3, "{up:?}: {eye} {target} {level:?}");
+            let (one, other) = (turned.axes(), level.axes());
+            assert!(up.to_level(one.right).distance(other.right) + up.to_level(one.up).distance(other.up) < 1e-4, "{up:?}");
+        };
+        for up in [Up::X, Up::Z, Up::NegX, Up::NegY, Up::NegZ] {
+            let [turned, level] = [up, Up::Y].map(scene);
+            for from in [Direction::Oblique, Direction::Front, Direction::Side, Direction::Top] {
+                let [one, other] = [&turned, &level].map(|scene| Camera::of_scene(scene, ASPECT, from));
+                same(up, one, other);
+                same(up, one.orbited(0.7), other.orbited(0.7));
+                for all_around in [false, true] {
+                    let of = |scene: &Scene, states: u32| {
+                        let mut survey = Survey::new(scene);
+                        (1..states).for_each(|_| survey.add(scene));
+                        Camera::of_survey(&survey, scene, ASPECT, from, all_around)
+                    };
+                    (1..3).for_each(|states| same(up, of(&turned, states), of(&level, states)));
+                }
+            }
+            let given = Camera::of_scene_with_up(&turned, Up::Y, ASPECT, Direction::Front);
+            assert_eq!((given.up, given.axes().up), (Up::Y, Vec3::Y));
         }
     }
 

@@ -295,7 +295,7 @@ impl Renderer {
         let blend = if self.buffers.can_blend() { self.blend } else { 1.0 };
         self.strings.set(&self.device, &self.queue, &self.motion.strings());
         let summary = self.summary.clone().unwrap_or_default();
-        self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye, self.survey.is_none()));
+        self.buffers.set_drawn(&self.queue, &self.walls.drawn(camera.eye, camera.up, self.survey.is_none()));
         let mut frame = Frame::new(&self.step, camera, style, &summary, targets.size);
         (frame.blend, frame.range) = (blend, self.range(style));
         frame.set_looks(self.buffers.has_looks);

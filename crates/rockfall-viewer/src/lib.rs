@@ -37,6 +37,7 @@ mod sheet;
 mod subject;
 pub mod survey;
 mod tags;
+mod up;
 mod whole;
 #[cfg(feature = "window")]
 pub mod window;

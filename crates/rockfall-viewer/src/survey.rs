@@ -6,6 +6,7 @@ use rockfall::{Body, Scene, SphereId};
 use crate::extent::{Extent, extents_of_static_objects};
 use crate::groups::{Group, groups};
 use crate::joints::fixed_ends;
+use crate::up::Up;
 
 /// Approximate number of bodies whose places are kept.
 const MOST_BODIES: usize = 1000;
@@ -52,6 +53,8 @@ pub struct Survey {
     anchors: Option<Extent>,
     /// Direction of gravity.
     down: Vec3,
+    /// The axis upwards in pictures.
+    up: Up,
     /// Height of the lowest point of the static objects. Bodies that fall below it do so for ever.
     lowest: f32,
     /// Extent of all places above that.
@@ -65,11 +68,16 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Creates a survey of the present state of a scene.
+    /// Creates a survey of the present state of a scene. In its pictures, up is opposite to gravity, as in [`Up::of`].
     pub fn new(scene: &Scene) -> Self {
+        Self::with_up(scene, Up::of(scene))
+    }
+
+    /// Creates a survey of the present state of a scene for pictures with this axis upwards.
+    pub fn with_up(scene: &Scene, up: Up) -> Self {
         let spheres = scene.spheres();
         let stride = spheres.len().div_ceil(MOST_BODIES).max(1);
-        let lowest = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min);
+        let lowest = extents_of_static_objects(scene).map(|object| up.bottom(object)).reduce(f32::min);
         let mut survey = Self {
             stride,
             radii: spheres.iter().step_by(stride).map(|sphere| sphere.radius).collect(),
@@ -79,6 +87,7 @@ impl Survey {
             groups: groups(scene, stride),
             anchors: Extent::of(scene.tethers().iter().map(|tether| tether.point).chain(fixed_ends(scene))),
             down: scene.settings.gravity_direction,
+            up,
             lowest: lowest.unwrap_or(f32::NEG_INFINITY),
             above: None,
             coming: Extent::of(scene.inlets().iter().flat_map(|inlet| inlet.corners).map(|corner| corner.as_vec3())),
@@ -92,7 +101,7 @@ impl Survey {
     /// Adds a later state of the same scene.
     pub fn add(&mut self, scene: &Scene) {
         if !(scene.inlets().is_empty() && scene.outlets().is_empty()) {
-            let there = scene.spheres().iter().filter(|sphere| sphere.position.y >= self.lowest && sphere.position.is_finite());
+            let there = scene.spheres().iter().filter(|sphere| self.is_above(sphere.position) && sphere.position.is_finite());
             let balls: Vec<_> = there.map(|sphere| (sphere.position, sphere.radius)).collect();
             let extents = balls.iter().map(|(place, radius)| Extent::around(*place, *radius));
             self.coming = extents.chain(self.coming).reduce(Extent::with);
@@ -104,7 +113,7 @@ impl Survey {
             let position = scene.in_box(sphere.position);
             path.push(position);
             velocity[1] = sphere.velocity;
-            if position.y >= self.lowest && position.is_finite() && !sphere.fixed {
+            if self.up.height(position) >= self.lowest && position.is_finite() && !sphere.fixed {
                 let place = Extent::around(position, sphere.radius);
                 self.above = Some(self.above.map_or(place, |above| above.with(place)));
             }
@@ -158,6 +167,16 @@ impl Survey {
         moving
     }
 
+    /// The axis upwards in pictures.
+    pub(crate) fn up(&self) -> Up {
+        self.up
+    }
+
+    /// Whether a place is not below all static objects.
+    fn is_above(&self, place: Vec3) -> bool {
+        self.up.height(place) >= self.lowest
+    }
+
     /// Whether the survey has several states of a film.
     pub(crate) fn moves(&self) -> bool {
         !self.is_single && self.paths.first().is_some_and(|path| path.len() > 1)
@@ -200,7 +219,7 @@ impl Survey {
 
     /// Whether a body falls for ever, below all static objects.
     fn falls(&self, body: usize, held: bool) -> bool {
-        let (velocity, depth) = (self.velocities[body][1], self.lowest - self.ends(body)[1].y);
+        let (velocity, depth) = (self.velocities[body][1], self.lowest - self.up.height(self.ends(body)[1]));
         !held && depth > 0.0 && velocity.dot(self.down) > LEAVES * depth
     }
 
@@ -209,7 +228,7 @@ impl Survey {
         // One of many bodies is not worth the room.
         let shown = if self.paths.len() < MANY { FALL_SHOWN * self.above.map_or(0.0, Extent::size) } else { 0.0 };
         let lowest = if self.falls(body, held) { self.lowest - shown } else { f32::NEG_INFINITY };
-        let places = self.paths[body].iter().filter(move |place| place.is_finite() && place.y >= lowest);
+        let places = self.paths[body].iter().filter(move |place| place.is_finite() && self.up.height(**place) >= lowest);
         places.map(move |place| (*place, self.radii[body]))
     }
 
@@ -293,7 +312,7 @@ impl Survey {
         let place = self.ends(body)[end];
         let beside = others.to(place);
         // Above a static object, a body may still fall onto it.
-        let has_fallen = beside.dot(self.down) > 0.7 * beside.length() && !(place.y >= self.lowest && self.lowest.is_finite());
+        let has_fallen = beside.dot(self.down) > 0.7 * beside.length() && !(self.is_above(place) && self.lowest.is_finite());
         let room = if has_fallen { FALLEN } else { FLOWN };
         beside.length() > room * size && leaves(others, place, self.velocities[body][end] - drift)
     }

@@ -1,4 +1,4 @@
-// A perspective camera that orbits around a point. Up is +y; lengths are in units of the scene.
+// A perspective camera that orbits around a point; lengths are in units of the scene.
 
 const FIELD_OF_VIEW = 0.6;
 const TURN = 0.006;
@@ -13,10 +13,11 @@ const unit = a => add([0, 0, 0], a, 1 / (length(a) || 1));
 export { add, cross, dot, length, unit };
 
 export class Camera {
-    // `numbers`: x, y, z of the eye, then of the target.
+    // `numbers`: x, y, z of the eye, then of the target, then of the unit vector upwards, +y by default.
     constructor(numbers) {
         this.eye = [...numbers.slice(0, 3)];
         this.target = [...numbers.slice(3, 6)];
+        this.vertical = numbers.length > 6 ? [...numbers.slice(6, 9)] : [0, 1, 0];
         this.tangent = Math.tan(0.5 * FIELD_OF_VIEW);
     }
 
@@ -26,16 +27,22 @@ export class Camera {
 
     axes() {
         const forward = unit(add(this.target, this.eye, -1));
-        const right = unit(cross(forward, [0, 1, 0]));
+        const right = unit(cross(forward, this.vertical));
         return { forward, right, up: cross(right, forward) };
+    }
+
+    get numbers() {
+        return [...this.eye, ...this.target, ...this.vertical];
     }
 
     // Turns the camera around its target by a drag of so many pixels.
     orbit(dx, dy) {
-        const { forward } = this.axes();
-        const pitch = Math.max(-STEEPEST, Math.min(STEEPEST, Math.asin(forward[1]) - TURN * dy));
-        const heading = Math.atan2(forward[0], -forward[2]) + TURN * dx;
-        const ahead = [Math.sin(heading) * Math.cos(pitch), Math.sin(pitch), -Math.cos(heading) * Math.cos(pitch)];
+        const { forward, right } = this.axes();
+        const rise = Math.max(-1, Math.min(1, dot(forward, this.vertical)));
+        const pitch = Math.max(-STEEPEST, Math.min(STEEPEST, Math.asin(rise) - TURN * dy));
+        const level = cross(this.vertical, right);
+        const heading = add(add([0, 0, 0], level, Math.cos(TURN * dx)), right, Math.sin(TURN * dx));
+        const ahead = add(add([0, 0, 0], heading, Math.cos(pitch)), this.vertical, Math.sin(pitch));
         this.eye = add(this.target, ahead, -this.distance);
     }
 

@@ -128,7 +128,7 @@ export class Stage {
         const settings = this.settings;
         const scene = new Scene(this.scene.toText(), this.name);
         const { name, dt, colours, camera } = this;
-        await this.open({ scene, name, dt, colours, camera: [...camera.eye, ...camera.target] });
+        await this.open({ scene, name, dt, colours, camera: camera.numbers });
         settings.forEach((value, key) => this.setConstant(key, value));
         // The sliders show the constants of the scene otherwise.
         this.opened?.();

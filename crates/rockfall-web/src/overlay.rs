@@ -1,8 +1,9 @@
 //! Text, arrows, trails and plots over the picture. The page draws them in a 2D context.
 
 use js_sys::Function;
+use rockfall::glam::Vec3;
 use rockfall::{Body, SphereId};
-use rockfall_viewer::camera::Camera;
+use rockfall_viewer::camera::{Camera, Up};
 use rockfall_viewer::draw::Motion;
 use rockfall_viewer::overlay::{self, Arrows, Mark};
 use rockfall_viewer::plot::{Graph, Layout, Plot, bodies_named};
@@ -120,13 +121,14 @@ impl Overlay {
         if self.needs_state() {
             simulation.inner.sync_async().await.map_err(thrown)?;
         }
+        self.camera.up = Up::of(simulation.inner.scene());
         self.inner.observe(&mut self.motion, &mut simulation.inner).map_err(thrown)
     }
 
     /// Sets the camera: x, y, z of the eye and of the point that it looks at, in units.
     #[wasm_bindgen(js_name = setCamera)]
     pub fn set_camera(&mut self, ex: f32, ey: f32, ez: f32, tx: f32, ty: f32, tz: f32) {
-        self.camera = Camera::new([ex, ey, ez], [tx, ty, tz]);
+        (self.camera.eye, self.camera.target) = (Vec3::new(ex, ey, ez), Vec3::new(tx, ty, tz));
     }
 
     /// Returns the marks on the picture of the scene, beside which the plots are.

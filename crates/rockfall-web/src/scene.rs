@@ -64,10 +64,11 @@ impl Scene {
     }
 
     /// A camera that shows the bodies of the scene in a picture with this aspect ratio (width divided by height): x, y, z of
-    /// the eye, then of the point that it looks at, in units. Its vertical field of view is 0.6 rad, and up is +y.
+    /// the eye, then of the point that it looks at, in units, and of the unit vector upwards, which is opposite to gravity if
+    /// that is along an axis, else +y. Its vertical field of view is 0.6 rad.
     pub fn camera(&self, aspect: f32) -> Vec<f32> {
         let camera = Camera::of_scene(&self.inner, aspect, Direction::Oblique);
-        [camera.eye, camera.target].into_iter().flat_map(|point| point.to_array()).collect()
+        [camera.eye, camera.target, camera.up.vector()].into_iter().flat_map(|point| point.to_array()).collect()
     }
 
     /// The scene as a scene text.

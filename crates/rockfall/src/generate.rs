@@ -27,10 +27,12 @@ mod grains;
 mod hopper;
 mod machines;
 mod masonry;
+mod mesh_clump;
 
 pub use benchmark::{Benchmark, LAYERS};
 pub use creature::{creature, creature_without_pairs};
 pub use grains::Drum;
+pub use mesh_clump::{MeshClump, MeshClumpFit};
 
 /// Angular velocity of a generated drum, in rad/s: 12 revolutions per minute.
 const DRUM_SPIN: f64 = 0.4 * std::f64::consts::PI;

@@ -251,7 +251,7 @@ impl Mesh {
     }
 
     /// The positions of the vertices of every triangle.
-    fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = [DVec3; 3]> {
         self.triangles.iter().map(|triangle| triangle.map(|at| position(self.vertices[at as usize])))
     }
 }

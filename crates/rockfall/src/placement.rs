@@ -83,7 +83,7 @@ impl Scene {
         let world = observe(
             self,
             1e-9,
-            (Integrator::default(), BroadPhase::Auto.resolve(objects)),
+            (Integrator::default(), BroadPhase::Auto.resolve(objects, true)),
             0,
             &MuscleClock::default(),
             &UserLaws::default(),

@@ -460,7 +460,7 @@ impl fmt::Display for ContactLaw {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BroadPhase {
-    /// Brute force or the grid, whichever is faster for the number of objects.
+    /// Brute force or the grid, whichever is faster for the number of objects and the backend.
     #[default]
     Auto,
     /// Tests every mover against every object, tile by tile (thesis section 2.5.1).
@@ -472,15 +472,18 @@ pub enum BroadPhase {
     Grid,
 }
 
-/// From this number of objects on, the grid is faster than brute force. Measured at 1,024 spheres on an NVIDIA H200 and at
-/// 1,000 on two CPU cores (`rockfall bench --broad-phase`).
+/// From this number of objects on, the grid is faster than brute force on a GPU: measured at 1,024 spheres on an NVIDIA H200.
 const GRID_FROM: usize = 1_000;
+/// The same on the CPU. Measured on two cores, where they are equally fast between 32 and 64 bodies, and the grid two to four
+/// times as fast from 500 on (docs/performance.md).
+const GRID_FROM_ON_CPU: usize = 50;
 
 impl BroadPhase {
-    /// Returns this broad phase, or the one that `Auto` chooses for this number of objects.
-    pub fn resolve(self, objects: usize) -> Self {
+    /// Returns this broad phase, or the one that `Auto` chooses for this number of objects, on the CPU or on a GPU.
+    pub fn resolve(self, objects: usize, on_cpu: bool) -> Self {
+        let least = if on_cpu { GRID_FROM_ON_CPU } else { GRID_FROM };
         match self {
-            Self::Auto if objects < GRID_FROM => Self::BruteForce,
+            Self::Auto if objects < least => Self::BruteForce,
             Self::Auto => Self::Grid,
             chosen => chosen,
         }
@@ -508,6 +511,21 @@ impl FromStr for BroadPhase {
             "sort-and-skip" => Ok(Self::SortAndSkip),
             "grid" => Ok(Self::Grid),
             _ => Err(invalid("broad-phase", text, "auto, brute-force, sort-and-skip or grid")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn auto_takes_brute_force_for_few_objects_and_the_grid_for_more() {
+        for (on_cpu, least) in [(true, GRID_FROM_ON_CPU), (false, GRID_FROM)] {
+            assert_eq!(BroadPhase::Auto.resolve(least - 1, on_cpu), BroadPhase::BruteForce);
+            assert_eq!(BroadPhase::Auto.resolve(least, on_cpu), BroadPhase::Grid);
+            assert_eq!(BroadPhase::BruteForce.resolve(9 * least, on_cpu), BroadPhase::BruteForce);
+            assert_eq!(BroadPhase::Grid.resolve(1, on_cpu), BroadPhase::Grid);
         }
     }
 }

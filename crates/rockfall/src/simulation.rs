@@ -10,7 +10,7 @@ use crate::model::muscles::MuscleClock;
 use crate::model::residue::has_residues;
 use crate::model::status::Status;
 use crate::model::world::World;
-use crate::options::{BackendInfo, Optimization, Options};
+use crate::options::{Backend, BackendInfo, Optimization, Options};
 use crate::profile::Recorder;
 use crate::report::{Clock, Report};
 use crate::scene::{AnyId, BodyHandles, FlowState, Scene, SphereId};
@@ -170,8 +170,8 @@ impl Simulation {
     /// As for [`Simulation::with_options`].
     pub async fn with_options_async(scene: Scene, options: Options) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let world = prepare(&scene, &options, scene.first_time_step())?;
-        let (engine, info) = Engine::open(&options, &world).await?;
+        let pack = |backend: Backend| prepare(&scene, &options, scene.first_time_step(), backend);
+        let (world, engine, info) = open(&options, pack).await?;
         Ok(Self::assemble(scene, options, world, engine, info))
     }
 
@@ -196,7 +196,7 @@ impl Simulation {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
     ) -> Result<Self> {
-        let mut world = prepare(&scene, &options, dt)?;
+        let mut world = prepare(&scene, &options, dt, Backend::Gpu)?;
         kept.put(&mut world, &scene);
         let (engine, info) = Engine::on_device(device, queue, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info))
@@ -206,7 +206,7 @@ impl Simulation {
     #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
     pub(crate) fn on_gpu(scene: Scene, options: Options, gpu: &Gpu, info: &BackendInfo) -> Result<Self> {
         let scene = resolve(scene, &options)?;
-        let world = prepare(&scene, &options, scene.first_time_step())?;
+        let world = prepare(&scene, &options, scene.first_time_step(), info.kind)?;
         let engine = Engine::on(gpu, &world)?;
         Ok(Self::assemble(scene, options, world, engine, info.clone()))
     }
@@ -267,9 +267,9 @@ impl Simulation {
         self.scene.integrator(self.options.integrator)
     }
 
-    /// The method that finds pairs: the requested one, or the one chosen for the number of objects.
+    /// The method that finds pairs: the requested one, or the one chosen for the number of objects and the backend.
     pub fn broad_phase_method(&self) -> BroadPhase {
-        self.options.broad_phase.resolve(self.world.objects() as usize)
+        self.options.broad_phase.resolve(self.world.objects() as usize, self.info.kind == Backend::Cpu)
     }
 
     /// The physical constants. If [`Settings::resting_overlap`] is positive, they include the contact constants chosen for it.
@@ -478,8 +478,20 @@ fn check_contact_law(scene: &Scene, integrator: Integrator, law: Option<&Contact
     Ok(())
 }
 
-/// Packs a scene for steps of `dt` seconds, after all checks.
-fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
+/// Packs a scene for the backend of the options, and opens that. If it is found to be another one, the scene is packed again where
+/// its order of memory differs.
+async fn open(options: &Options, pack: impl Fn(Backend) -> Result<World>) -> Result<(World, Engine, BackendInfo)> {
+    let world = pack(options.backend)?;
+    let (engine, info) = Engine::open(options, &world).await?;
+    let method = |backend: Backend| options.broad_phase.resolve(world.objects() as usize, backend == Backend::Cpu);
+    let is_right = method(options.backend) == method(info.kind);
+    // A backend that is not known counts as a GPU, so it is the CPU, whose engine has no copy of the world.
+    let world = if is_right { world } else { pack(info.kind)? };
+    Ok((world, engine, info))
+}
+
+/// Packs a scene for steps of `dt` seconds on a backend, after all checks.
+fn prepare(scene: &Scene, options: &Options, dt: f32, backend: Backend) -> Result<World> {
     scene.settings.validate()?;
     check_contact_law(scene, scene.integrator(options.integrator), options.contact_force_law.as_ref())?;
     if scene.is_rigid() {
@@ -490,7 +502,7 @@ fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
         let value = options.broad_phase.to_string();
         return Err(Error::Invalid { field: "broad_phase", value, expected: "auto, grid or brute-force for a periodic scene" });
     }
-    let mut world = pack(scene, options, dt)?;
+    let mut world = pack(scene, options, dt, backend)?;
     place_walls(&mut world, scene, &MuscleClock::default());
     if let Some(capacity) = options.pair_capacity {
         world.set_pair_room(capacity.div_ceil(SLICE));
@@ -502,8 +514,13 @@ fn prepare(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
 }
 
 /// Packs a scene into a world in the order of memory that suits the broad phase, without scratch arrays, for steps of `dt` seconds.
-fn pack(scene: &Scene, options: &Options, dt: f32) -> Result<World> {
-    let broad_phase = if options.uses(Optimization::SpatialOrder) { options.broad_phase } else { BroadPhase::BruteForce };
+fn pack(scene: &Scene, options: &Options, dt: f32, backend: Backend) -> Result<World> {
+    let counts = scene.counts();
+    let objects = counts.spheres + counts.rods + counts.boxes + counts.polygons;
+    let broad_phase = match options.uses(Optimization::SpatialOrder) {
+        true => options.broad_phase.resolve(objects, backend == Backend::Cpu),
+        false => BroadPhase::BruteForce,
+    };
     let mut world =
         World::for_method(scene, broad_phase, UserLaws::new(&options.force_laws, options.contact_force_law.as_ref())?)?;
     if !options.uses(Optimization::LargeSpheres) {

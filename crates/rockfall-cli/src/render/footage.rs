@@ -3,6 +3,7 @@
 use rockfall::exec::gpu::Gpu;
 use rockfall::{Backend, Checkpoint, Energy, Options, Scene, Simulation};
 use rockfall_trajectory::{Moment as FrameTime, Reader};
+use rockfall_viewer::camera::Vertical;
 use rockfall_viewer::draw::{Renderer, Style};
 use rockfall_viewer::film::{Moment, Player, Timing};
 use rockfall_viewer::survey::Survey;
@@ -123,15 +124,17 @@ impl Footage {
     pub(super) fn survey(
         &mut self,
         moments: &[Moment],
+        up: Vertical,
         mut look: impl FnMut(&mut Simulation, f64) -> rockfall::Result<()>,
     ) -> Result<Survey, Failure> {
+        let new = |scene: &Scene| Survey::with_up(scene, up.of(scene));
         let mut survey: Option<Survey> = None;
         let mut add = |simulation: &mut Simulation, time: f64| -> rockfall::Result<()> {
             look(simulation, time)?;
             let scene = simulation.sync()?;
             match &mut survey {
                 Some(survey) => survey.add(scene),
-                None => survey = Some(Survey::new(scene)),
+                None => survey = Some(new(scene)),
             }
             Ok(())
         };
@@ -139,7 +142,7 @@ impl Footage {
             Self::Live(live) => live.each_state(moments, &mut add)?,
             Self::Recorded(recorded) => recorded.each_state(moments, &mut add)?,
         }
-        Ok(survey.unwrap_or_else(|| Survey::new(self.simulation().scene())))
+        Ok(survey.unwrap_or_else(|| new(self.simulation().scene())))
     }
 }
 

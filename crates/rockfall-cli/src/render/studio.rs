@@ -1,5 +1,6 @@
 //! Draws the pictures.
 
+use rockfall::Scene;
 use rockfall::glam::Vec3;
 use rockfall::output::AtomicFile;
 use rockfall_viewer::camera::Camera;
@@ -73,13 +74,13 @@ impl Studio {
         let path = &arguments.out;
         let mut file = AtomicFile::create(path).map_err(|error| Failure::file(path, &error))?;
         let start = match &mut self.footage {
-            Footage::Live(_) if self.overlay.trails == 0.0 => Some(Survey::new(self.footage.simulation().sync()?)),
+            Footage::Live(_) if self.overlay.trails == 0.0 => Some(survey_of(self.footage.simulation().sync()?, arguments)),
             _ => None,
         };
         self.go_to_start(arguments, false)?;
         let simulation = self.footage.simulation();
         let scene = simulation.sync()?;
-        let mut survey = Survey::new(scene);
+        let mut survey = survey_of(scene, arguments);
         if let Some(start) = start {
             survey = survey.from_start(start, scene);
         }
@@ -213,12 +214,12 @@ impl Studio {
         let has_plots = !arguments.plot.is_empty();
         let scene = self.footage.simulation().scene();
         if has_camera && has_scale && !has_arrows && !has_plots && scene.boxes().is_empty() && scene.polygons().is_empty() {
-            return Ok(Survey::new(scene));
+            return Ok(survey_of(scene, arguments));
         }
         let (mut end, mut key) = (0.0_f32, 0.0_f32);
         let Self { footage, renderer, style, .. } = self;
         let states = if has_plots { plotted(moments) } else { surveyed(moments).collect() };
-        let survey = footage.survey(&states, |simulation, time| {
+        let survey = footage.survey(&states, arguments.up, |simulation, time| {
             if !has_scale || has_arrows || has_plots {
                 renderer.update(simulation, style)?;
                 renderer.set_time(time);
@@ -259,4 +260,9 @@ impl Studio {
         text += &format!("  spheres    {} ray-cast, {} as discs, {} in shadows\n", last.near, last.far, last.shadows);
         output::print(&text)
     }
+}
+
+/// The survey of the present state of a scene.
+fn survey_of(scene: &Scene, arguments: &Arguments) -> Survey {
+    Survey::with_up(scene, arguments.up.of(scene))
 }

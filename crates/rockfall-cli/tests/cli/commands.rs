@@ -261,6 +261,11 @@ fn wrong_arguments_exit_with_code_2() {
         ("generate pile --spheres 0", "at least 1"),
         ("generate pile --spheres 4000000000", "too many"),
         ("generate pile --spheres 10 --seed x", "x"),
+        ("generate pile rock.stl --spheres 10", "pile has no mesh, got rock.stl"),
+        ("generate clump --spheres 10", "the name of a mesh is missing"),
+        ("generate clump rock.stl", "--spheres"),
+        ("generate pile --spheres 10 --overlap 0.5", "<MESH>"),
+        ("generate clump rock.txt --spheres 10", "expected .stl, .obj or .ply"),
         ("devices here", "here"),
     ];
     for (command, message) in cases {
@@ -461,6 +466,42 @@ fn generated_scenes_are_valid_and_run() {
     let (out, _) = rockfall.run("generate pile --spheres 1", 0);
     let (out, _) = rockfall.run_with_input("check -", out.as_bytes(), 0);
     assert!(out.contains(": 1 sphere, 5 boxes"), "{out}");
+}
+
+/// A tetrahedron as an OBJ file, without its last face unless `closed`.
+fn tetrahedron(closed: bool) -> String {
+    let faces = "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0 30\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
+    format!("{faces}{}", if closed { "f 2 3 4\n" } else { "" })
+}
+
+#[test]
+fn a_mesh_becomes_a_clump_that_falls() {
+    let rockfall = Rockfall::with("");
+    std::fs::write(rockfall.path("rock.obj"), tetrahedron(true)).unwrap();
+    std::fs::write(rockfall.path("open.obj"), tetrahedron(false)).unwrap();
+    let command = "generate clump rock.obj --spheres 30 --scale 0.1 --density 2 --min-radius 0.05 --overlap 0.5 --cells 50000";
+    let (_, err) = rockfall.run(&format!("{command} --out clump.txt"), 0);
+    assert!(err.contains("30 spheres with radii from") && err.contains("volume of the spheres: -"), "{err}");
+    let text = rockfall.read("clump.txt");
+    // The volume is 27 / 6.
+    assert!(text.contains("@body clump mass=9 centre=0.75,0.75,0.75 inertia="), "{text}");
+    assert!(text.contains("# volume of the spheres: -"), "{text}");
+    let (out, _) = rockfall.run("check clump.txt", 0);
+    assert!(out.contains("30 spheres") && !out.contains("warning"), "{out}");
+    let (_, err) = rockfall.run("run clump.txt --backend cpu", 0);
+    assert_eq!(err, "");
+    assert_eq!(rockfall.run(command, 0).0, text);
+    for (command, message) in [
+        ("open.obj --spheres 3", "open.obj: mesh: "),
+        ("open.obj --spheres 3", "not closed, with 3 open edges"),
+        ("rock.obj --spheres 0", "spheres: 0 is not allowed, expected a whole number from 1 to 1000"),
+        ("rock.obj --spheres 4000000000", "spheres: 4000000000 is not allowed"),
+        ("rock.obj --spheres 3 --overlap 1", "overlap: 1 is not allowed"),
+        ("rock.obj --spheres 3 --min-radius 40", "less than the radius of the largest sphere"),
+    ] {
+        let (_, err) = rockfall.run(&format!("generate clump {command}"), 2);
+        assert!(err.contains(message), "{command}: {err}");
+    }
 }
 
 #[test]

@@ -15,7 +15,7 @@ from rockfall._attributes import keywords
 from rockfall._filming import Shot, played, rehearsed, watched
 from rockfall._look import look
 from rockfall._picture import Picture
-from rockfall.typing import ColourName
+from rockfall.typing import ColourName, UpName
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
@@ -133,6 +133,7 @@ def film(
     follow: int | str | None = None,
     orbit: float = 0.0,
     view: str | None = None,
+    up: UpName = "auto",
     plain: bool = False,
     title: str | None = None,
     clock: bool = False,
@@ -179,6 +180,8 @@ def film(
         Turns the camera around the middle of the pictures, in degrees per second of film.
     view : str, optional
         Direction from which the camera looks: front, side, top or iso; by default obliquely from above.
+    up : str
+        Axis to the top of the picture: y, z or auto, which is opposite to gravity if that is along an axis, else y.
     plain : bool
         Whether to draw without shadows and ambient occlusion.
     title : str, optional
@@ -239,7 +242,7 @@ def film(
     >>> rf.film(sim, 500, on_step=push)  # doctest: +SKIP
     """
     captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
-    shown = look(size, colour_by, range, camera, look_at, plain, view=view, trails=trails, plot=plot, **captions)
+    shown = look(size, colour_by, range, camera, look_at, plain, view=view, up=up, trails=trails, plot=plot, **captions)
     native, shot = _taken(sim, shown, (steps, fps, speed, follow, orbit), on_step, world, progress)
     return Film(native, shot.fps, shown["size"])
 

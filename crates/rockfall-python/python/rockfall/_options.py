@@ -19,6 +19,7 @@ from rockfall.typing import (
     IntegratorName,
     LookName,
     PrecisionName,
+    UpName,
 )
 
 if TYPE_CHECKING:
@@ -97,6 +98,7 @@ class LookOptions(TypedDict, total=False):
     range: tuple[float, float] | None
     camera: npt.ArrayLike | None
     look_at: npt.ArrayLike | None
+    up: UpName
     plain: bool
 
 

@@ -25,7 +25,7 @@ from rockfall._stored import Stored
 from rockfall._team import Communicator, handle_of
 from rockfall._vtk import to_pyvista
 from rockfall._warnings import warn
-from rockfall.typing import BackendName, BroadPhaseName, ColourName, IntegratorName
+from rockfall.typing import BackendName, BroadPhaseName, ColourName, IntegratorName, UpName
 
 if TYPE_CHECKING:
     import pyvista
@@ -454,6 +454,7 @@ class Simulation(Stored, LawTable, ContactLawOf):
         camera: npt.ArrayLike | None = None,
         look_at: npt.ArrayLike | None = None,
         view: str | None = None,
+        up: UpName = "auto",
         plain: bool = False,
         title: str | None = None,
         clock: bool = False,
@@ -479,6 +480,8 @@ class Simulation(Stored, LawTable, ContactLawOf):
             Point in the middle of the picture, in units.
         view : str, optional
             Direction from which the camera looks: front, side, top or iso; by default obliquely from above.
+        up : str
+            Axis to the top of the picture: y, z or auto, which is opposite to gravity if that is along an axis, else y.
         plain : bool
             Whether to draw without shadows and ambient occlusion.
         title : str, optional
@@ -501,14 +504,15 @@ class Simulation(Stored, LawTable, ContactLawOf):
         Raises
         ------
         ValueError
-            For a wrong size, an unknown ``colour_by``, ``view``, ``arrows`` or ``plot``, or a camera at the point it looks at.
+            For a wrong size, an unknown ``colour_by``, ``view``, ``up``, ``arrows`` or ``plot``, or a camera at the point it
+            looks at.
         LookupError
             For a body in ``plot`` that does not exist.
         SimulationError
             If there is no graphics adapter. Software Vulkan is enough.
         """
         captions: dict[str, Any] = {"title": title, "clock": clock, "scale_bar": scale_bar, "label": label, "arrows": arrows}
-        shown = look(size, colour_by, range, camera, look_at, plain, view=view, plot=plot, **captions)
+        shown = look(size, colour_by, range, camera, look_at, plain, view=view, up=up, plot=plot, **captions)
         self._commit()
         warn_of_letters(self._native, shown)
         if self._studio is None:

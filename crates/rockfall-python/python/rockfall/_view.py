@@ -42,7 +42,7 @@ def view(sim: Simulation, kind: Literal["auto", "widget", "window"] = "auto", **
     kind : {"auto", "widget", "window"}
         "auto" is "widget" in a notebook with ``anywidget`` (``pip install 'rockfall[notebook]'``), otherwise "window".
     **options
-        Arguments of the widget: ``size``, ``colour_by``, ``range``, ``camera``, ``look_at`` and ``plain`` as in
+        Arguments of the widget: ``size``, ``colour_by``, ``range``, ``camera``, ``look_at``, ``up`` and ``plain`` as in
         :meth:`Simulation.render`, and ``steps``, the number of steps from picture to picture.
 
     Returns

@@ -15,7 +15,7 @@ import traitlets
 from rockfall import _rockfall
 from rockfall._arrays import FloatArray, whole
 from rockfall._look import look
-from rockfall.typing import ColourName
+from rockfall.typing import ColourName, UpName
 
 if TYPE_CHECKING:
     from rockfall._simulation import Simulation
@@ -59,11 +59,12 @@ class Viewer(anywidget.AnyWidget):
         range: tuple[float, float] | None = None,
         camera: npt.ArrayLike | None = None,
         look_at: npt.ArrayLike | None = None,
+        up: UpName = "auto",
         plain: bool = False,
     ) -> None:
         self._sim = sim
         self._steps = whole("steps", steps, least=1)
-        self._look = look(size, colour_by, range, camera, look_at, plain)
+        self._look = look(size, colour_by, range, camera, look_at, plain, up=up)
         self._given = (self._look["camera"], self._look["look_at"])
         self._past: list[tuple[int, float, list[FloatArray]]] = []
         self._dropped = 0
@@ -79,27 +80,28 @@ class Viewer(anywidget.AnyWidget):
     def _reset_camera(self) -> None:
         self._look["camera"], self._look["look_at"] = self._given
         self._sim._commit()
-        eye, target = _rockfall.framing(self._sim._native, self._look)
-        self._eye, self._target = np.array(eye, dtype=float), np.array(target, dtype=float)
+        shot = np.array(_rockfall.framing(self._sim._native, self._look), dtype=float)
+        self._eye, self._target, self._up, self._front = shot
 
     def _axes(self) -> tuple[np.ndarray, np.ndarray, float]:
         """Unit vectors to the right and to the top of the picture, and the distance of the target."""
         away = self._eye - self._target
         distance = float(np.linalg.norm(away))
-        right = np.cross([0.0, 1.0, 0.0], away)
+        right = np.cross(self._up, away)
         length = float(np.linalg.norm(right))
-        right = right / length if length > 1e-6 * distance else np.array([1.0, 0.0, 0.0])
+        right = right / length if length > 1e-6 * distance else np.cross(self._up, self._front)
         return right, np.cross(away / distance, right), distance
 
     def orbit(self, across: float, up: float) -> None:
         """Turn the camera around the middle of the picture, by angles in rad."""
-        x, y, z = self._eye - self._target
+        across_axis = np.cross(self._up, self._front)
+        x, y, z = np.stack([across_axis, self._up, self._front]) @ (self._eye - self._target)
         distance = math.sqrt(x * x + y * y + z * z)
         angle = math.atan2(x, z) + across
         height = min(max(math.asin(y / distance) + up, -_STEEPEST), _STEEPEST)
         level = distance * math.cos(height)
-        away = [level * math.sin(angle), distance * math.sin(height), level * math.cos(angle)]
-        self._eye = self._target + np.array(away)
+        away = level * math.sin(angle) * across_axis + distance * math.sin(height) * self._up
+        self._eye = self._target + away + level * math.cos(angle) * self._front
         self._draw()
 
     def pan(self, across: float, up: float) -> None:

@@ -20,6 +20,7 @@ __all__ = [
     "PrecisionName",
     "RollingModelName",
     "TaggedName",
+    "UpName",
 ]
 
 BackendName = Literal["auto", "gpu", "cpu"]
@@ -39,6 +40,8 @@ RollingModelName = Literal["a", "c"]
 #: Bodies and goals of :func:`evolve`.
 BodyName = Literal["lattice", "free"]
 GoalName = Literal["distance", "speed", "height", "jump", "climb"]
+#: Axis to the top of pictures.
+UpName = Literal["auto", "y", "z"]
 CohesionName = Literal["dmt", "jkr"]
 #: Smoothing functions of :meth:`Simulation.fields`.
 KernelName = Literal["gaussian", "heaviside"]

@@ -76,6 +76,12 @@ pub(crate) struct Frame {
     /// The point near which planes are shown.
     stage: Vec3,
     unused_too: f32,
+    /// Unit vector upwards.
+    vertical: Vec3,
+    unused_three: f32,
+    /// Unit vector along the ground, to the right as seen from the front.
+    across: Vec3,
+    unused_four: f32,
     kinds: [Vec4; 8],
     scale: [Vec4; 9],
 }
@@ -84,6 +90,9 @@ const SHADOWS: u32 = 1;
 const OCCLUSION: u32 = 2;
 const CULL_HIDDEN: u32 = 4;
 const LOOKS: u32 = 8;
+
+/// Direction towards the sun by default, in level coordinates.
+const LIGHT: Vec3 = Vec3::new(-0.45, 0.80, 0.40);
 
 /// Extent of the shadow map around the target of the camera, divided by that of the picture.
 const SHADOW_REACH: f32 = 1.5;
@@ -121,10 +130,11 @@ struct Light {
 }
 
 impl Light {
-    fn new(camera: &Camera, aspect: f32, towards: Vec3) -> Self {
-        let towards = towards.try_normalize().unwrap_or(Vec3::Y);
+    fn new(camera: &Camera, aspect: f32, towards: Option<Vec3>) -> Self {
+        let vertical = camera.up.vector();
+        let towards = towards.unwrap_or_else(|| camera.up.to_scene(LIGHT)).try_normalize().unwrap_or(vertical);
         // For a sun straight above, any horizontal direction is suitable.
-        let right = Vec3::Y.cross(towards).try_normalize().unwrap_or(Vec3::X);
+        let right = vertical.cross(towards).try_normalize().unwrap_or_else(|| camera.up.to_scene(Vec3::X));
         let up = towards.cross(right);
         let picture = camera.eye.distance(camera.target) * (0.5 * camera.field_of_view).tan() * aspect.max(1.0);
         let reach = (SHADOW_REACH * picture).max(f32::MIN_POSITIVE);
@@ -178,7 +188,7 @@ impl Frame {
             centre: camera.target,
             centre_distance: distance,
             horizon: palette::linear(style.background.horizon),
-            ground: summary.ground,
+            ground: summary.ground(camera.up),
             zenith: palette::linear(style.background.zenith),
             typical_radius: summary.typical_radius,
             viewport,
@@ -205,6 +215,10 @@ impl Frame {
             stage_size: summary.stage.1,
             stage: summary.stage.0,
             unused_too: 0.0,
+            vertical: camera.up.vector(),
+            unused_three: 0.0,
+            across: camera.up.to_scene(Vec3::X),
+            unused_four: 0.0,
             kinds: style.kinds.map(opaque),
             scale: style.colour_by.scale().map(opaque),
         }
@@ -287,6 +301,8 @@ mod tests {
             least,
             stage_size,
             stage,
+            vertical,
+            across,
             kinds,
             scale,
         ];

@@ -136,8 +136,8 @@ pub struct Style {
     pub ground: bool,
     /// Colours of the background.
     pub background: Background,
-    /// Direction towards the sun; its length does not matter.
-    pub light: Vec3,
+    /// Direction towards the sun; its length does not matter. `None`: obliquely from above, (-0.45, 0.8, 0.4) with y up.
+    pub light: Option<Vec3>,
     /// Colours of the kinds of objects, in the order of [`KINDS`].
     pub kinds: [Rgb; 8],
 }
@@ -151,7 +151,7 @@ impl Default for Style {
             occlusion: true,
             ground: true,
             background: Background::default(),
-            light: Vec3::new(-0.45, 0.80, 0.40),
+            light: None,
             kinds: KINDS.map(|kind| kind.colour),
         }
     }

@@ -12,6 +12,7 @@ use crate::draw::summary::stage;
 use crate::draw::surfaces::{Side, surfaces};
 use crate::extent::{Extent, extent_of_polygon};
 use crate::survey::Survey;
+use crate::up::Up;
 
 /// Number of lines of sight that are tested in a frame. In larger scenes only some of the bodies are tested.
 const MOST_TESTS: usize = 4_000_000;
@@ -68,6 +69,8 @@ pub(crate) struct Walls {
     held: Vec<u32>,
     /// The centre and radius of every body.
     balls: Vec<(Vec3, f32)>,
+    /// The axis upwards in the last picture, on which depends what is a floor.
+    up: Up,
 }
 
 impl Walls {
@@ -108,16 +111,25 @@ impl Walls {
         let stride = (tests * balls.len()).div_ceil(MOST_TESTS).max(1);
         // An odd stride does not always meet the same body or the same state.
         let stride = stride | 1;
-        for wall in self.boxes.iter_mut().chain(self.polygons.iter_mut().map(|(_, wall)| wall)) {
-            wall.carried = balls.iter().step_by(stride).filter(|(place, radius)| wall.block.carries(*place, *radius)).count();
-        }
         self.balls = balls.into_iter().step_by(stride).collect();
+        self.count_carried();
+    }
+
+    fn count_carried(&mut self) {
+        let up = self.up.vector();
+        for wall in self.boxes.iter_mut().chain(self.polygons.iter_mut().map(|(_, wall)| wall)) {
+            wall.carried = self.balls.iter().filter(|(place, radius)| wall.block.carries(*place, *radius, up)).count();
+        }
     }
 
     /// Returns for each box, then for each polygon, 1 if it is drawn and 0 or 2 if it is translucent, because it hides a body. It
     /// still casts its shadow if that is 2. With `hold`, a wall that has hidden a body stays translucent for the next [`HELD`]
     /// calls.
-    pub(crate) fn drawn(&mut self, eye: Vec3, hold: bool) -> Vec<u32> {
+    pub(crate) fn drawn(&mut self, eye: Vec3, up: Up, hold: bool) -> Vec<u32> {
+        if up != self.up {
+            self.up = up;
+            self.count_carried();
+        }
         let boxes = self.boxes.iter().map(|wall| self.is_before(wall, eye));
         let polygons = self.polygons_before(eye);
         let glass = self.glass.iter().copied().chain(std::iter::repeat(false));
@@ -142,9 +154,11 @@ impl Walls {
             // Everything is behind the faces of a box around the eye.
             return true;
         }
-        let hides = |ball: &&(Vec3, f32)| centre_and_foot(**ball).iter().any(|point| crosses_unit_cube(from, local(*point)));
+        let hides = |ball: &&(Vec3, f32)| {
+            centre_and_foot(**ball, self.up.vector()).iter().any(|point| crosses_unit_cube(from, local(*point)))
+        };
         let hidden = self.balls.iter().filter(hides).count();
-        self.is_removed(hidden, wall.floor(eye, hidden))
+        self.is_removed(hidden, wall.floor(eye, self.up.vector(), hidden))
     }
 
     /// Whether each polygon is removed: one of many that make up a surface with the side of the surface, another one alone.
@@ -154,7 +168,7 @@ impl Walls {
         for (number, (polygon, wall)) in self.polygons.iter().enumerate() {
             let normal = polygon.left.cross(polygon.right);
             let hidden = self.hidden_by(polygon, normal, eye);
-            let floor = wall.floor(eye, hidden.len());
+            let floor = wall.floor(eye, self.up.vector(), hidden.len());
             let side = (self.surfaces[number], normal.dot(eye - polygon.corner) > 0.0);
             if self.parts[number] {
                 let carried = if floor == Floor::Carries { wall.carried } else { 0 };
@@ -175,7 +189,7 @@ impl Walls {
             return Vec::new();
         }
         let balls = self.balls.iter().enumerate();
-        balls.filter(|(_, ball)| hides(polygon, normal, eye, **ball)).map(|(number, _)| number).collect()
+        balls.filter(|(_, ball)| hides(polygon, normal, eye, self.up.vector(), **ball)).map(|(number, _)| number).collect()
     }
 
     fn is_removed(&self, hidden: usize, floor: Floor) -> bool {
@@ -200,9 +214,9 @@ enum Floor {
 
 impl Wall {
     /// Whether the wall is a floor for an eye from which it hides this number of bodies.
-    fn floor(&self, eye: Vec3, hidden: usize) -> Floor {
-        let top = self.block.top();
-        if top.normal.y < FLOOR_NORMAL || top.normal.dot(eye - top.corner) <= 0.0 {
+    fn floor(&self, eye: Vec3, up: Vec3, hidden: usize) -> Floor {
+        let top = self.block.top(up);
+        if top.normal.dot(up) < FLOOR_NORMAL || top.normal.dot(eye - top.corner) <= 0.0 {
             return Floor::None;
         }
         let is_flat = top.height < FLOOR_HEIGHT * top.sides[0].min(top.sides[1]);
@@ -245,12 +259,12 @@ fn parts_of_surfaces(polygons: &[Polygon]) -> Vec<bool> {
 }
 
 /// The centre of a body, and the point where it would touch the ground.
-fn centre_and_foot((place, radius): (Vec3, f32)) -> [Vec3; 2] {
-    [place, place - (1.0 - FOOT) * radius * Vec3::Y]
+fn centre_and_foot((place, radius): (Vec3, f32), up: Vec3) -> [Vec3; 2] {
+    [place, place - (1.0 - FOOT) * radius * up]
 }
 
 /// Whether a polygon hides the centre, the foot or a part of the outline of a ball.
-fn hides(polygon: &Polygon, normal: Vec3, eye: Vec3, ball: (Vec3, f32)) -> bool {
+fn hides(polygon: &Polygon, normal: Vec3, eye: Vec3, up: Vec3, ball: (Vec3, f32)) -> bool {
     let (place, radius) = ball;
     let [start, end] = [eye, place].map(|point| normal.dot(point - polygon.corner));
     if start * end > 0.0 && end.abs() > radius * normal.length() {
@@ -262,7 +276,7 @@ fn hides(polygon: &Polygon, normal: Vec3, eye: Vec3, ball: (Vec3, f32)) -> bool 
         let (sin, cos) = (std::f32::consts::TAU * point as f32 / OUTLINE as f32).sin_cos();
         place + OUTLINE_RADIUS * radius * (cos * across + sin * along)
     });
-    centre_and_foot(ball).into_iter().chain(outline).any(|point| crosses_polygon(polygon, eye, point))
+    centre_and_foot(ball, up).into_iter().chain(outline).any(|point| crosses_polygon(polygon, eye, point))
 }
 
 /// Whether the line between two points goes through a polygon.
@@ -332,7 +346,7 @@ mod tests {
         let mut walls = Walls::default();
         walls.set_scene(&scene);
         walls.set_bodies(&Survey::new(&scene));
-        walls.drawn(EYE, false)
+        walls.drawn(EYE, Up::Y, false)
     }
 
     #[test]
@@ -367,10 +381,10 @@ mod tests {
         walls.set_scene(&scene);
         walls.set_bodies(&Survey::new(&scene));
         walls.set_glass(&scene);
-        assert_eq!(walls.drawn(EYE, false), [0, 0, 1]);
+        assert_eq!(walls.drawn(EYE, Up::Y, false), [0, 0, 1]);
         scene.set_tag(wall, rockfall::Tag::new().look(Look::Glass)).unwrap();
         walls.set_glass(&scene);
-        assert_eq!(walls.drawn(EYE, false), [1, 0, 1]);
+        assert_eq!(walls.drawn(EYE, Up::Y, false), [1, 0, 1]);
     }
 
     #[test]
@@ -385,7 +399,7 @@ mod tests {
         walls.set_scene(&scene(0.0));
         let mut drawn = |x: f32, hold: bool| {
             walls.set_bodies(&Survey::new(&scene(x)));
-            walls.drawn(EYE, hold)
+            walls.drawn(EYE, Up::Y, hold)
         };
         assert_eq!(drawn(0.0, true), [0]);
         assert!((1..HELD).all(|_| drawn(4.0, true) == [0]));
@@ -480,7 +494,7 @@ mod tests {
             let mut walls = Walls::default();
             walls.set_scene(&scene);
             walls.set_bodies(&Survey::new(&scene));
-            walls.drawn(eye, false)
+            walls.drawn(eye, Up::Y, false)
         };
         let above = Vec3::new(0.0, 9.0, 9.0);
         assert_eq!(seen(above, &[]), [0]);
@@ -498,7 +512,7 @@ mod tests {
         let mut walls = Walls::default();
         walls.set_scene(&scene);
         walls.set_bodies(&Survey::new(&scene));
-        assert_eq!(walls.drawn(Vec3::new(0.0, 9.0, 9.0), false), [1, 1]);
+        assert_eq!(walls.drawn(Vec3::new(0.0, 9.0, 9.0), Up::Y, false), [1, 1]);
     }
 
     #[test]

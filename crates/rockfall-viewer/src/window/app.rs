@@ -179,7 +179,7 @@ impl OpenWindow {
         viewer.find = launch.follow.clone();
         viewer.plotted.clone_from(&launch.plotted);
         viewer.session.plot_joints(launch.joints.clone());
-        viewer.show_from(launch.view);
+        viewer.show_from(launch.view, launch.up);
         viewer.follow_initially();
         viewer.plot_initially();
         window.request_redraw();

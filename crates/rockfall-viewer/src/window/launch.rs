@@ -10,7 +10,7 @@ use super::controls::Controls;
 use super::follow::Find;
 use super::session::playback::Playback;
 use super::session::{Prepare, Source};
-use crate::camera::Direction;
+use crate::camera::{Direction, Vertical};
 use crate::draw::Style;
 use crate::overlay::Overlay;
 use crate::plot::Plot;
@@ -41,6 +41,8 @@ pub struct Launch {
     pub prepare: Option<Prepare>,
     /// Direction from which the camera shows scenes.
     pub view: Direction,
+    /// How the axis upwards is chosen.
+    pub up: Vertical,
     /// Finds the sphere that the camera follows.
     pub follow: Option<Find>,
     /// Find the spheres whose motion is plotted: the first one is picked.

@@ -3,8 +3,8 @@
 use rockfall::Scene;
 use rockfall::glam::{Quat, Vec2, Vec3};
 
-use crate::bounds::{bounds, bounds_of_survey};
-use crate::camera::Camera;
+use crate::bounds::bounds_of_survey;
+use crate::camera::{Camera, Up};
 use crate::extent::extents_of_static_objects;
 use crate::survey::Survey;
 
@@ -67,32 +67,38 @@ fn distance(camera: &Camera) -> f32 {
     camera.eye.distance(camera.target)
 }
 
+/// Returns the unit vector of the horizontal part of a vector; `None` if that is 0.
+fn horizontal(vector: Vec3, up: Up) -> Option<Vec3> {
+    (vector - up.height(vector) * up.vector()).try_normalize()
+}
+
 /// Returns the viewing direction after a rotation by a drag of `dx`, `dy` pixels, with limited pitch.
-fn rotated(forward: Vec3, dx: f32, dy: f32) -> Vec3 {
+fn rotated(camera: &Camera, dx: f32, dy: f32) -> Vec3 {
+    let forward = camera.up.to_level(camera.axes().forward);
     let pitch = forward.y.clamp(-1.0, 1.0).asin();
     let heading = Vec3::new(forward.x, 0.0, forward.z).try_normalize().unwrap_or(Vec3::NEG_Z);
     let heading = Quat::from_rotation_y(-TURN * dx) * heading;
     let pitch = (pitch - TURN * dy).clamp(-STEEPEST, STEEPEST);
-    heading * pitch.cos() + Vec3::Y * pitch.sin()
+    camera.up.to_scene(heading * pitch.cos() + Vec3::Y * pitch.sin())
 }
 
 /// Rotates the camera about its own position (left drag): the picture follows the pointer.
 pub fn turn(camera: &mut Camera, dx: f32, dy: f32) {
     let far = distance(camera);
-    camera.target = camera.eye + far * rotated(camera.axes().forward, -dx, -dy);
+    camera.target = camera.eye + far * rotated(camera, -dx, -dy);
 }
 
 /// Rotates the camera about its target (middle drag).
 pub fn orbit(camera: &mut Camera, dx: f32, dy: f32) {
     let far = distance(camera);
-    camera.eye = camera.target - far * rotated(camera.axes().forward, dx, dy);
+    camera.eye = camera.target - far * rotated(camera, dx, dy);
 }
 
 /// Raises or lowers the camera (right drag). `dy` is the downward movement of the pointer divided by the height of the picture.
 /// The camera moves in the same direction as the pointer, by this fraction of the height that is visible at the target.
 pub fn raise(camera: &mut Camera, dy: f32) {
     let height = 2.0 * (0.5 * camera.field_of_view).tan() * distance(camera);
-    let up = Vec3::Y * (-dy * height);
+    let up = camera.up.vector() * (-dy * height);
     camera.eye += up;
     camera.target += up;
 }
@@ -100,7 +106,7 @@ pub fn raise(camera: &mut Camera, dy: f32) {
 /// Moves the camera horizontally for `seconds` (arrow keys).
 pub fn walk(camera: &mut Camera, arrows: Arrows, seconds: f32) {
     let axes = camera.axes();
-    let ahead = Vec3::new(axes.forward.x, 0.0, axes.forward.z).try_normalize().unwrap_or(Vec3::NEG_Z);
+    let ahead = horizontal(axes.forward, camera.up).unwrap_or_else(|| camera.up.to_scene(Vec3::NEG_Z));
     let way = arrows.sign(Arrow::Up, Arrow::Down) * ahead + arrows.sign(Arrow::Right, Arrow::Left) * axes.right;
     let moved = way.normalize_or_zero() * (WALK * distance(camera) * seconds);
     camera.eye += moved;
@@ -165,25 +171,26 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Returns the limits for a scene in its present state, or in all states of a survey.
-    pub fn of(scene: &Scene, survey: Option<&Survey>) -> Self {
-        let (min, max) = survey.map_or_else(|| bounds(scene), |survey| bounds_of_survey(survey, scene));
+    /// Returns the limits for a scene in its present state, or in all states of a survey, with this axis upwards.
+    pub fn of(scene: &Scene, survey: Option<&Survey>, up: Up) -> Self {
+        let present = || bounds_of_survey(&Survey::with_up(scene, up), scene);
+        let (min, max) = survey.map_or_else(present, |survey| bounds_of_survey(survey, scene));
         let radius = (0.5 * (max - min).length()).max(f32::MIN_POSITIVE);
         let smallest = scene.spheres().iter().map(|sphere| sphere.radius).fold(radius, f32::min);
-        let floor = extents_of_static_objects(scene).map(|object| object.min.y).reduce(f32::min);
+        let floor = extents_of_static_objects(scene).map(|object| up.bottom(object)).reduce(f32::min);
         Self { centre: 0.5 * (min + max), radius, least: (0.5 * smallest).max(1e-4 * radius), floor }
     }
 
     /// Moves the camera back into the limits.
     pub fn keep(&self, camera: &mut Camera) {
         if !(camera.eye.is_finite() && camera.target.is_finite()) {
-            let away = Vec3::new(0.4, 0.4, 0.8) * (4.0 * self.radius);
+            let away = camera.up.to_scene(Vec3::new(0.4, 0.4, 0.8)) * (4.0 * self.radius);
             (camera.eye, camera.target) = (self.centre + away, self.centre);
         }
         // What the camera looks at must be near the scene.
         let mut target = self.centre + (camera.target - self.centre).clamp_length_max(self.radius);
         if let Some(floor) = self.floor {
-            target.y = target.y.max(floor);
+            target += (floor - camera.up.height(target)).max(0.0) * camera.up.vector();
         }
         camera.eye += target - camera.target;
         camera.target = target;
@@ -195,15 +202,17 @@ impl Limits {
 
     /// Raises the camera above the floor, at the same distance from what it looks at where that is possible.
     fn stay_above_the_floor(&self, camera: &mut Camera) {
-        let Some(lowest) = self.floor.map(|floor| floor + 0.01 * self.radius).filter(|lowest| camera.eye.y < *lowest) else {
+        let Some(lowest) =
+            self.floor.map(|floor| floor + 0.01 * self.radius).filter(|lowest| camera.up.height(camera.eye) < *lowest)
+        else {
             return;
         };
         let far = distance(camera);
         let away = camera.eye - camera.target;
-        let rise = lowest - camera.target.y;
+        let rise = lowest - camera.up.height(camera.target);
         let level = (far * far - rise * rise).max(0.0).sqrt();
-        let aside = Vec3::new(away.x, 0.0, away.z).try_normalize().unwrap_or(Vec3::Z);
-        camera.eye = camera.target + level * aside + rise * Vec3::Y;
+        let aside = horizontal(away, camera.up).unwrap_or_else(|| camera.up.to_scene(Vec3::Z));
+        camera.eye = camera.target + level * aside + rise * camera.up.vector();
     }
 }
 
@@ -352,7 +361,7 @@ mod tests {
     #[test]
     fn no_movement_loses_the_scene() {
         let scene = scene();
-        let limits = Limits::of(&scene, None);
+        let limits = Limits::of(&scene, None, Up::Y);
         let mut camera = Camera::of_scene(&scene, ASPECT, Direction::Oblique);
         for step in 0..2000_u32 {
             // Long runs of the same movement, with a direction that changes.
@@ -382,7 +391,36 @@ mod tests {
         let scene = scene();
         let mut camera = Camera::of_scene(&scene, ASPECT, Direction::Oblique);
         let before = camera;
-        Limits::of(&scene, None).keep(&mut camera);
+        Limits::of(&scene, None, Up::Y).keep(&mut camera);
         assert!(camera.eye.distance(before.eye) < 1e-4 && camera.target.distance(before.target) < 1e-4);
+    }
+
+    /// With another axis upwards, every movement is the same, turned.
+    #[test]
+    fn the_mouse_and_the_arrows_turn_with_the_axis_upwards() {
+        let start = Camera::new([3.0, 4.0, 5.0], [-1.0, 0.5, 0.25]);
+        let moves: [fn(&mut Camera); 6] = [
+            |camera| turn(camera, 30.0, 20.0),
+            |camera| orbit(camera, -30.0, 1e4),
+            |camera| raise(camera, 0.2),
+            |camera| pan(camera, Vec2::new(0.3, -0.2)),
+            |camera| walk(camera, Arrows([true, false, true, false]), 0.5),
+            |camera| {
+                let floor = Limits { centre: Vec3::ZERO, radius: 9.0, least: 0.1, floor: Some(2.0) };
+                orbit(camera, 9.0, -700.0);
+                floor.keep(camera);
+            },
+        ];
+        for up in [Up::X, Up::Z, Up::NegY] {
+            for (number, go) in moves.iter().enumerate() {
+                let mut level = start;
+                let mut turned = Camera { eye: up.to_scene(start.eye), target: up.to_scene(start.target), up, ..start };
+                go(&mut level);
+                go(&mut turned);
+                assert!(level != start, "{number}");
+                near(up.to_level(turned.eye), level.eye.to_array());
+                near(up.to_level(turned.target), level.target.to_array());
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use rockfall::Scene;
 use rockfall::glam::Vec2;
 
 use super::capture::Capture;
@@ -13,11 +14,12 @@ use super::hold::Sight;
 use super::navigation::{self, Arrows, Limits};
 use super::rates::Rates;
 use super::session::Session;
-use crate::bounds::bounds;
-use crate::camera::{Camera, Direction};
+use crate::bounds::bounds_of_survey;
+use crate::camera::{Camera, Direction, Vertical};
 use crate::draw::Style;
 use crate::legend::Legend;
 use crate::overlay::Overlay;
+use crate::survey::Survey;
 
 mod files;
 mod follow;
@@ -90,6 +92,8 @@ pub struct Viewer {
     scene_seen: u64,
     /// Direction from which the camera shows every scene that is opened.
     direction: Direction,
+    /// How the axis upwards is chosen.
+    vertical: Vertical,
     /// Finds the sphere that the camera follows in every scene that is opened.
     pub find: Option<Find>,
     /// Find the spheres that are plotted in every scene that is opened.
@@ -103,7 +107,7 @@ pub struct Viewer {
 impl Viewer {
     /// Creates a viewer with a picture of this size, in pixels, whose camera shows the whole scene.
     pub fn new(session: Session, size: Vec2) -> Self {
-        let camera = framing(&session, size, Direction::default());
+        let camera = framing(&session, size, Direction::default(), Vertical::Auto);
         let mut viewer = Self {
             session,
             controls: Controls::default(),
@@ -137,14 +141,15 @@ impl Viewer {
             find: None,
             plotted: Vec::new(),
             direction: Direction::default(),
+            vertical: Vertical::Auto,
         };
         viewer.follow_initially();
         viewer
     }
 
-    /// Shows this scene and all that are opened later from a direction.
-    pub fn show_from(&mut self, direction: Direction) {
-        self.direction = direction;
+    /// Shows this scene and all that are opened later from a direction, with an axis upwards.
+    pub fn show_from(&mut self, direction: Direction, vertical: Vertical) {
+        (self.direction, self.vertical) = (direction, vertical);
         self.frame_scene();
     }
 
@@ -187,7 +192,7 @@ impl Viewer {
             Command::Follow => self.toggle_follow(),
             Command::LookFrom(direction) => {
                 let distance = self.camera.eye.distance(self.camera.target);
-                self.camera.eye = self.camera.target + distance * direction.to_camera();
+                self.camera.eye = self.camera.target + distance * self.camera.up.to_scene(direction.to_camera());
                 self.frame_all();
             }
             Command::ChangeSpeed { faster } => session.pace.change_speed(faster),
@@ -235,7 +240,7 @@ impl Viewer {
     }
 
     fn frame_scene(&mut self) {
-        self.camera = framing(&self.session, self.size, self.direction);
+        self.camera = framing(&self.session, self.size, self.direction, self.vertical);
         self.framed = self.camera;
         (self.limits, self.kept) = (None, None);
         self.follow_from_start();
@@ -243,6 +248,8 @@ impl Viewer {
 
     fn frame_all(&mut self) {
         let aspect = self.aspect();
+        let up = self.camera.up;
+        let bounds = |scene: &Scene| bounds_of_survey(&Survey::with_up(scene, up), scene);
         match self.session.simulation().sync().map(bounds) {
             Ok(bounds) => navigation::frame_all(&mut self.camera, bounds, aspect),
             Err(error) => self.session.fail(&error),
@@ -255,7 +262,8 @@ impl Viewer {
         let (steps, now) = (self.session.simulation_ref().report().steps, self.session.now());
         let known = self.limits.filter(|(_, at, when)| *at == steps || now - when < LIMITS_INTERVAL);
         let survey = self.session.played().and_then(|playback| playback.survey.as_ref());
-        let (limits, ..) = known.unwrap_or_else(|| (Limits::of(self.session.simulation_ref().scene(), survey), steps, now));
+        let limits = || Limits::of(self.session.simulation_ref().scene(), survey, self.camera.up);
+        let (limits, ..) = known.unwrap_or_else(|| (limits(), steps, now));
         if known.is_none() {
             self.limits = Some((limits, steps, now));
         }
@@ -303,11 +311,11 @@ impl Viewer {
 }
 
 /// A camera that shows the initial scene, or all frames of a trajectory.
-fn framing(session: &Session, size: Vec2, direction: Direction) -> Camera {
+fn framing(session: &Session, size: Vec2, direction: Direction, vertical: Vertical) -> Camera {
     let (scene, aspect) = (&session.source().scene, size.x / size.y);
     match session.played().and_then(|playback| playback.survey.as_ref()) {
         Some(survey) => Camera::of_survey(survey, scene, aspect, direction, false),
-        None => Camera::of_scene(scene, aspect, direction),
+        None => Camera::of_scene_with_up(scene, vertical.of(scene), aspect, direction),
     }
 }
 

@@ -3,8 +3,8 @@
 use rockfall::generate::Kind;
 use rockfall::glam::{Quat, Vec3};
 use rockfall::{Backend, BroadPhase, Cuboid, Options, Scene, Simulation, Sphere};
-use rockfall_viewer::camera::{Camera, Direction};
-use rockfall_viewer::draw::{ColourBy, Style};
+use rockfall_viewer::camera::{Camera, Direction, Up};
+use rockfall_viewer::draw::{ColourBy, Range, Style};
 use rockfall_viewer::survey::Survey;
 
 use crate::common::{
@@ -72,6 +72,36 @@ fn the_memory_order_does_not_change_the_picture() {
     // Only pixels of bodies at equal depths may differ, because they depend on the drawing order.
     let differing = pictures[0].pixels.iter().zip(&pictures[1].pixels).filter(|(one, two)| one != two).count();
     assert!(differing < 40, "{differing}");
+}
+
+/// Ground, sky, light, shadows and walls turn with the direction of gravity.
+#[test]
+fn a_scene_with_z_up_looks_like_the_same_scene_with_y_up() {
+    let shown = |up: Up| {
+        let at = |x: f32, y: f32, z: f32| up.to_scene(Vec3::new(x, y, z));
+        let mut scene = Scene::new();
+        scene.settings.gravity_direction = -up.vector();
+        for k in 0..4 {
+            scene.add_sphere(Sphere::new(at(1.2 * k as f32, 0.5 + 0.1 * k as f32, 0.0), 0.5)).unwrap();
+        }
+        // A block on which a ball lies, and a wall in front, which is translucent.
+        for (from, to) in [(at(-2.0, 0.0, -2.0), at(5.0, 0.01, 2.0)), (at(-1.0, 0.0, 1.5), at(1.0, 2.0, 1.7))] {
+            scene.add_box(Cuboid::between(from, to)).unwrap();
+        }
+        let mut style = Style::default();
+        (style.colour_by, style.range) = (ColourBy::Speed, Range::Given([0.0, 1.0]));
+        let camera = Camera::of_scene(&scene, crate::common::ASPECT, Direction::Oblique);
+        picture(scene, &camera, &style)
+    };
+    let level = shown(Up::Y);
+    let is_drawn = level.pixels.iter().filter(|pixel| **pixel != level.pixels[0]).count();
+    assert!(is_drawn > level.pixels.len() / 3, "{is_drawn}");
+    for up in [Up::Z, Up::NegZ, Up::X] {
+        let turned = shown(up);
+        let differs = |(one, two): &(&[u8; 4], &[u8; 4])| (0..3).any(|k| one[k].abs_diff(two[k]) > 6);
+        let differing = level.pixels.iter().zip(&turned.pixels).filter(differs).count();
+        assert!(differing < level.pixels.len() / 200, "{up:?}: {differing}");
+    }
 }
 
 /// A wall that hides a body late in a film is translucent from the start, so that it does not change in the middle.
@@ -152,7 +182,7 @@ fn spheres_have_their_own_colours_and_the_light_comes_from_the_given_side() {
         }
     }
     for side in [-1.0, 1.0] {
-        style.light = Vec3::new(side, 0.2, 0.2);
+        style.light = Some(Vec3::new(side, 0.2, 0.2));
         let picture = canvas.take(&mut renderer, &camera(), &style).unwrap();
         let [left, right] = [-0.6, 0.6].map(|x| around(&picture, Vec3::new(1.0 + x, 0.0, 0.0)).iter().sum::<u32>());
         assert_eq!(right > left, side > 0.0, "{left} {right}");

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rockfall::glam::{Vec2, Vec3};
 use rockfall::{ContactLaw, Integrator, Settings};
-use rockfall_viewer::camera::{Camera, Direction};
+use rockfall_viewer::camera::{Camera, Direction, Vertical};
 use rockfall_viewer::window::constants::CONSTANTS;
 use rockfall_viewer::window::controls::Command;
 use rockfall_viewer::window::viewer::Viewer;
@@ -73,7 +73,7 @@ fn a_window_shows_scenes_from_a_direction() {
         (eye - target).normalize().distance(direction.to_camera()) < 1e-5
     };
     assert!(looks_from(&viewer, Direction::Oblique));
-    viewer.show_from(Direction::Side);
+    viewer.show_from(Direction::Side, Vertical::Auto);
     assert!(looks_from(&viewer, Direction::Side));
     viewer.command(Command::LookFrom(Direction::Top));
     viewer.command(Command::ResetCamera);

@@ -434,7 +434,7 @@ impl Simulation {
         let (flags, dt, rows) = (old.constants.flags, old.constants.dt, old.layout.pair_rows);
         let (own, sent) = (std::mem::take(&mut self.world.own), std::mem::take(&mut self.world.sent));
         self.scene.imply_bodies();
-        self.world = pack(&self.scene, &self.options, self.time_step)?;
+        self.world = pack(&self.scene, &self.options, self.time_step, self.info.kind)?;
         if own.len() == self.world.step.layout.spheres as usize {
             self.world.set_own(own, sent);
         }

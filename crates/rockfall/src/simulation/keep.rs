@@ -8,17 +8,19 @@ use crate::error::{Error, Result};
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::exec::gpu::Gpu;
 use crate::model::layout::SLICE;
+use crate::model::world::World;
 #[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::options::BackendInfo;
-use crate::options::Options;
+use crate::options::{Backend, Options};
 use crate::simulation::edit::Dirty;
+#[cfg(all(feature = "gpu", not(target_family = "wasm")))]
 use crate::simulation::engine::Engine;
 use crate::simulation::frames::Frames;
 use crate::simulation::kept::Kept;
 use crate::simulation::lists::ListPolicy;
 use crate::simulation::order::Disorder;
 use crate::simulation::planes::Planes;
-use crate::simulation::{Simulation, check_contact_law, engine, prepare};
+use crate::simulation::{Simulation, check_contact_law, engine, open, prepare};
 use crate::step::walls::move_walls::place_walls;
 use crate::user_laws::set::UserLaws;
 
@@ -112,10 +114,13 @@ impl Simulation {
     pub async fn resume_async(mut checkpoint: Checkpoint) -> Result<Self> {
         checkpoint.check_laws()?;
         checkpoint.scene.imply_bodies();
-        let mut world = prepare(&checkpoint.scene, &checkpoint.options, checkpoint.time_step)?;
-        kept(&checkpoint).put(&mut world, &checkpoint.scene);
-        place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
-        let (engine, info) = Engine::open(&checkpoint.options, &world).await?;
+        let pack = |backend: Backend| -> Result<World> {
+            let mut world = prepare(&checkpoint.scene, &checkpoint.options, checkpoint.time_step, backend)?;
+            kept(&checkpoint).put(&mut world, &checkpoint.scene);
+            place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
+            Ok(world)
+        };
+        let (world, engine, info) = open(&checkpoint.options, pack).await?;
         let simulation = Self::assemble(take(&mut checkpoint.scene), take(&mut checkpoint.options), world, engine, info);
         simulation.with_history(&checkpoint)
     }
@@ -139,7 +144,7 @@ impl Simulation {
         checkpoint.check_laws()?;
         checkpoint.scene.imply_bodies();
         let options = Options { backend: info.kind, ..take(&mut checkpoint.options) };
-        let mut world = prepare(&checkpoint.scene, &options, checkpoint.time_step)?;
+        let mut world = prepare(&checkpoint.scene, &options, checkpoint.time_step, info.kind)?;
         kept(&checkpoint).put(&mut world, &checkpoint.scene);
         place_walls(&mut world, &checkpoint.scene, &checkpoint.history.clock);
         let engine = Engine::on(gpu, &world)?;

@@ -51,6 +51,10 @@ struct Frame {
     stage_size: f32,
     /// The point near which planes are shown.
     stage: vec3f,
+    /// Unit vector upwards.
+    vertical: vec3f,
+    /// Unit vector along the ground, to the right as seen from the front.
+    across: vec3f,
     kinds: array<vec4f, 8>,
     scale: array<vec4f, 9>,
 }

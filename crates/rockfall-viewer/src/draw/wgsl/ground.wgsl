@@ -7,7 +7,7 @@ struct Ground {
 
 @fragment
 fn sky(@builtin(position) place: vec4f) -> @location(0) vec4f {
-    let up = normalize(view_ray(place.xy)).y;
+    let up = dot(normalize(view_ray(place.xy)), frame.vertical);
     return vec4f(mix(frame.horizon, frame.zenith, smoothstep(0.0, 0.7, up)), 1.0);
 }
 
@@ -17,22 +17,29 @@ const DARK_GROUND: vec3f = vec3f(0.016, 0.018, 0.020);
 const INK: vec3f = vec3f(0.10, 0.12, 0.16);
 const LIGHT_INK: vec3f = vec3f(0.30, 0.32, 0.35);
 
+/// The coordinates of a point along the ground.
+fn along_ground(point: vec3f) -> vec2f {
+    return vec2f(dot(point, frame.across), dot(point, cross(frame.across, frame.vertical)));
+}
+
 /// The ground is transparent except for its grid and the shadows on it. Both fade with the distance from the target of the
 /// camera. The grid is darker than a light background and lighter than a dark one. Shadows are always darker.
 @fragment
 fn ground(@builtin(position) place: vec4f) -> Ground {
     let ray = view_ray(place.xy);
-    let distance = (frame.ground - frame.eye.y) / ray.y;
+    let rise = dot(ray, frame.vertical);
+    let distance = (frame.ground - dot(frame.eye, frame.vertical)) / rise;
     let point = frame.eye + distance * ray;
     // Before any fragment is discarded, because derivatives need all four pixels of a quad.
-    let width = fwidth(point.xz);
-    if distance <= 0.0 || ray.y == 0.0 {
+    let on_ground = along_ground(point);
+    let width = fwidth(on_ground);
+    if distance <= 0.0 || rise == 0.0 {
         discard;
     }
-    let reach = length(point.xz - frame.centre.xz) / frame.centre_distance;
+    let reach = length(on_ground - along_ground(frame.centre)) / frame.centre_distance;
     let fading = exp(-1.2 * reach * reach);
-    let lines = 0.18 * grid_at(point.xz, width);
-    let shade = 0.55 * (1.0 - sunlight(point, vec3f(0.0, 1.0, 0.0), TAPS));
+    let lines = 0.18 * grid_at(on_ground, width);
+    let shade = 0.55 * (1.0 - sunlight(point, frame.vertical, TAPS));
     let brightness = dot(frame.horizon, vec3f(0.2126, 0.7152, 0.0722));
     let night = 1.0 - smoothstep(0.05, 0.25, brightness);
     let lit = mix(night * DARK_GROUND, mix(INK, LIGHT_INK, night), lines);

@@ -45,7 +45,7 @@ fn lit(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f, gloss: f32) -> v
 
 /// Returns the same with this number of samples of the shadow filter.
 fn lit_roughly(colour: vec3f, point: vec3f, normal: vec3f, view: vec3f, gloss: f32, taps: u32) -> vec3f {
-    let sky = mix(vec3f(0.25, 0.245, 0.24), vec3f(0.43, 0.46, 0.50), 0.5 + 0.5 * normal.y);
+    let sky = mix(vec3f(0.25, 0.245, 0.24), vec3f(0.43, 0.46, 0.50), 0.5 + 0.5 * dot(normal, frame.vertical));
     let towards = dot(normal, frame.light);
     var sun = 0.0;
     if towards > 0.0 {

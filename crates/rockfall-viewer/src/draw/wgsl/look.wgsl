@@ -136,7 +136,7 @@ fn glass(colour: vec3f, normal: vec3f, view: vec3f, edge: f32) -> vec4f {
     let facing = abs(dot(normal, view));
     let graze = pow(1.0 - facing, 3.0);
     let opacity = mix(mix(0.07, 0.55, graze), 0.80, edge);
-    let sky = mix(frame.horizon, frame.zenith, smoothstep(-0.3, 0.7, reflect(-view, normal).y));
+    let sky = mix(frame.horizon, frame.zenith, smoothstep(-0.3, 0.7, dot(reflect(-view, normal), frame.vertical)));
     let body = mix(mix(0.78 * colour, sky, 0.35 * graze), 0.38 * colour, edge);
     let half_way = normalize(view + frame.light);
     let gloss = 0.7 * pow(abs(dot(normal, half_way)), 160.0) * (1.0 - edge);

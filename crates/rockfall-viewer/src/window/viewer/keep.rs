@@ -59,7 +59,14 @@ impl Viewer {
         let (aspect, direction, camera) = (self.aspect(), self.direction, self.framed);
         let Ok(scene) = self.session.simulation().sync() else { return };
         let Some(mut kept) = self.kept.take().filter(|kept| kept.versions == versions) else {
-            self.kept = Some(Kept { survey: Survey::new(scene), states: 1, versions, looked, moved: looked.1, goal: None });
+            self.kept = Some(Kept {
+                survey: Survey::with_up(scene, camera.up),
+                states: 1,
+                versions,
+                looked,
+                moved: looked.1,
+                goal: None,
+            });
             return;
         };
         kept.looked = looked;
@@ -103,7 +110,7 @@ impl Viewer {
 fn shows(camera: &Camera, scene: &Scene, aspect: f32) -> bool {
     let projection = camera.view_projection(aspect);
     let is_in_front = |place: Vec3| (place - camera.eye).dot(camera.axes().forward) > camera.near();
-    Survey::new(scene).balls().into_iter().all(|(place, _)| {
+    Survey::with_up(scene, camera.up).balls().into_iter().all(|(place, _)| {
         let ndc = projection.project_point3(place);
         is_in_front(place) && ndc.x.abs() < INSIDE && ndc.y.abs() < INSIDE
     })

@@ -69,11 +69,10 @@ impl World {
         Ok(Self::pack(scene, order_along_x(scene), UserLaws::default())?.with_scratch())
     }
 
-    /// Returns the world in the order of memory that suits a broad phase, without scratch arrays. Brute force needs insertion
-    /// order.
+    /// Returns the world in the order of memory that suits a broad phase, which is not `Auto`, without scratch arrays. Brute force
+    /// needs insertion order.
     pub(crate) fn for_method(scene: &Scene, broad_phase: BroadPhase, laws: UserLaws) -> Result<Self> {
-        let counts = scene.counts();
-        let order = match broad_phase.resolve(counts.spheres + counts.rods + counts.boxes + counts.polygons) {
+        let order = match broad_phase {
             BroadPhase::Grid => order_in_space(scene),
             BroadPhase::SortAndSkip => order_along_x(scene),
             _ => Vec::new(),
