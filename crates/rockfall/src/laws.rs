@@ -46,8 +46,18 @@ macro_rules! laws {
             }
         }
 
-        /// What the file of a law with history, by its number in the kernels, gives. `of` is compiled for each law, so that calls
-        /// in loops over contacts are direct.
+        /// The WGSL files of the laws with history: name, file and text.
+        pub(crate) const WGSL: &[(&str, &str, &str)] = &[$($((
+            stringify!($module),
+            concat!("laws/", stringify!($module), ".wgsl"),
+            include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/laws/", stringify!($module), ".wgsl")),
+        ),)?)+];
+
+        /// The numbers of these laws in the kernels.
+        const NUMBERS: &[u32] = &[$($(laws!(@number $law $module),)?)+];
+
+        /// What the file of a law with history gives, by the number of the law. `of` is compiled for each law, so that calls in
+        /// loops over contacts are direct.
         #[inline]
         pub(crate) fn of_file<T>(number: u32, of: impl FnOnce(&dyn GrainLaw) -> T) -> T {
             match number {
@@ -56,6 +66,7 @@ macro_rules! laws {
             }
         }
     };
+    (@number $law:ident $module:ident) => { ContactLaw::$law.number() };
     (@has_file) => { false };
     (@has_file $module:ident) => { true };
     (@file $law:ident) => { None };
@@ -73,8 +84,8 @@ laws! {
     User "user" in user;
     /// Hard contacts: a solver finds the impulses of all contacts of a frame (docs/physics section 11).
     Rigid "rigid";
-    /// Chosen by the objects of the scene: see [`Scene::contact_law`](crate::Scene::contact_law). A simulation has the law that was
-    /// chosen.
+    /// Chosen by the objects of the scene: see [`Scene::contact_law`](crate::Scene::contact_law). A simulation has the law that
+    /// was chosen.
     #[default]
     Auto "auto";
 }
@@ -236,8 +247,8 @@ pub(crate) struct Stiffness {
     pub(crate) share: f32,
     /// Energy of the normal spring, as a fraction of `normal` times the square of the overlap.
     pub(crate) energy_share: f32,
-    /// While the contact unloads: the tangential stiffness per that in the last step. The tangential displacement shrinks with it.
-    /// Otherwise 1.
+    /// While the contact unloads: the tangential stiffness per that in the last step, with which the tangential displacement
+    /// shrinks. Otherwise 1.
     pub(crate) unloading: f32,
 }
 
@@ -274,6 +285,37 @@ pub(crate) struct Answer {
     pub(crate) dashpot: f32,
 }
 
+/// The functions that the WGSL file of each law with history has: what follows its name, the parameter, its type and that of
+/// the result.
+const FUNCTIONS: [(&str, &str, &str, &str); 5] = [
+    ("answer", "contact", "LawContact", "Answer"),
+    ("slopes", "contact", "LawContact", "vec2f"),
+    ("relative_force", "overlap", "f32", "f32"),
+    ("stiffness_by_force", "ratio", "f32", "f32"),
+    ("stiffness_by_overlap", "ratio", "f32", "f32"),
+];
+
+/// The text of `laws/chosen.wgsl`: functions that call those of the law of the kernel.
+pub(crate) fn chosen() -> String {
+    let mut text = String::from("// requires model/step.wgsl physics/laws/stiffness.wgsl");
+    WGSL.iter().for_each(|(_, file, _)| text.extend([" ", file]));
+    text += "\n\n";
+    let constant = |name: &str| format!("LAW_{}", name.to_uppercase());
+    for ((name, ..), number) in WGSL.iter().zip(NUMBERS) {
+        text += &format!("const {}: u32 = {number}u;\n", constant(name));
+    }
+    for (function, parameter, kind, result) in FUNCTIONS {
+        text += &format!("\nfn law_{function}({parameter}: {kind}) -> {result} {{\n");
+        for (name, ..) in WGSL {
+            let of_law = constant(name);
+            text += &format!("    if LAW == {of_law} {{\n        return {name}_{function}({parameter});\n    }}\n");
+        }
+        // Not reached: kernels of other laws do not call these functions.
+        text += &format!("    return {result}();\n}}\n");
+    }
+    text
+}
+
 /// A contact law with history. Everything else is common to these laws: the tangential spring, Coulomb's limit, resistance
 /// to rolling and twisting, cohesion, and where the history is kept (`physics/laws`).
 ///
@@ -289,7 +331,8 @@ pub(crate) trait GrainLaw: Sync {
     /// coefficient of restitution by them. `None` for a law with a damping of its own.
     fn unit_impact(&self) -> Option<fn(f64) -> (f64, f64)>;
 
-    /// Whether necks (JKR cohesion) may hold contacts together: the elastic force is that of Hertz, and the constants are E* and G*.
+    /// Whether necks (JKR cohesion) may hold contacts together: the elastic force is that of round elastic bodies, and the
+    /// constants are E* and G*.
     fn has_necks(&self) -> bool;
 
     /// Whether the elastic force has a potential that the program knows, so that energies are complete.
@@ -330,3 +373,6 @@ pub(crate) trait GrainLaw: Sync {
     /// Ratio of the stiffnesses of two contacts, from that of R* times the overlap. `NAME_stiffness_by_overlap` in WGSL.
     fn stiffness_by_overlap(&self, ratio: f32) -> f32;
 }
+
+#[cfg(test)]
+mod tests;

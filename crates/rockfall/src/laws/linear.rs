@@ -12,8 +12,8 @@ pub(super) struct Linear;
 impl GrainLaw for Linear {
     fn needs(&self) -> Needs {
         Needs::OfPairs(
-            "a pair with stiffness, or its materials with a stiffness with themselves; or characteristic_velocity, and materials with \
-             young and poisson",
+            "a pair with stiffness, or its materials with a stiffness with themselves; or characteristic_velocity, and \
+             materials with young and poisson",
         )
     }
 
@@ -96,8 +96,8 @@ fn estimate(given: &Given, bodies: Reduced) -> Option<f64> {
     Some(elastic * (bodies.mass * f64::from(speed).powi(2) / elastic).powf(0.2))
 }
 
-/// The stiffness that is given for the pair; or, where the normal constant is negative, that which follows from E*, the opposite
-/// of this constant, and the characteristic velocity, which is the tangential constant.
+/// The stiffness that is given for the pair; or, where the normal constant is negative, that which follows from E*, the
+/// opposite of this constant, and the characteristic velocity, which is the tangential constant.
 #[inline]
 fn stiffness(contact: &Contact) -> Stiffness {
     let (constants, bodies) = (contact.constants, contact.bodies);

@@ -165,8 +165,8 @@ impl Scene {
         static EXPECTED: LazyLock<String> = LazyLock::new(|| {
             let names = grain_names(GrainLaw::has_necks, "or");
             format!(
-                "the contact law {names} with collisions off, or cohesion=dmt: a neck follows from the elastic contact, and impulses would \
-                 separate the bodies without it"
+                "the contact law {names} with collisions off, or cohesion=dmt: a neck follows from the elastic contact, and \
+                 impulses would separate the bodies without it"
             )
         });
         let [one, other] = [one, other].map(|number| quoted(&self.materials()[usize::from(number) - 1].name));

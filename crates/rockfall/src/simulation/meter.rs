@@ -59,7 +59,8 @@ impl Meter {
 
     /// Whether the work less the growth of all energies is what contacts, joints and dampers of a scene have dissipated (docs/physics
     /// section 2.12), apart from what tangential springs store. Under the laws of the thesis and of a program
-    /// forces have no known potential. External forces do work of their own, and so does, in the long frames of `rigid`, all that moves or drives bodies.
+    /// forces have no known potential. External forces do work of their own, and so does, in the long frames of `rigid`, all that
+    /// moves or drives bodies.
     pub fn knows_dissipation(scene: &Scene) -> bool {
         let pulls = scene.spheres().iter().any(|sphere| sphere.force != Vec3::ZERO)
             || scene.bodies().iter().any(|body| body.force != Vec3::ZERO || body.torque != Vec3::ZERO);

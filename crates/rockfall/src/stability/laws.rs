@@ -71,9 +71,9 @@ impl Scene {
         self.shortest(None, GrainLaw::reaction_time)
     }
 
-    /// All times that bound the time step of a contact law with history: [`Scene::law_time`], and the shortest time of an impact
-    /// where it depends on the speed, which is that of the fastest body after a fall through the height of the scene. There is no
-    /// impact in a scene without speeds.
+    /// All times that bound the time step of a contact law with history: [`Scene::law_time`], and the shortest time of an
+    /// impact where it depends on the speed, which is that of the fastest body after a fall through the height of the scene. There
+    /// is no impact in a scene without speeds.
     pub fn law_times(&self) -> Vec<LawTime> {
         let speed = self.greatest_speed();
         let impact = (speed > 0.0).then(|| self.shortest(Some(speed), |law, ball| law.impact_time(ball, speed))).flatten();

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// Folders and files of the crate that a step runs.
 const OF_STEPS: [&str; 15] = [
     "rotate.rs",
+    "laws",
     "physics",
     "step",
     "model",
