@@ -33,28 +33,24 @@ macro_rules! laws {
 
             /// Whether contacts have a tangential spring, which is kept from step to step.
             pub const fn has_history(self) -> bool {
-                match self {
-                    $(Self::$law => laws!(@has_file $($module)?),)+
-                }
+                self.grain().is_some()
             }
 
             /// The file of a law with history.
-            pub(crate) fn grain(self) -> Option<&'static dyn GrainLaw> {
+            pub(crate) const fn grain(self) -> Option<&'static dyn GrainLaw> {
                 match self {
                     $(Self::$law => laws!(@file $law $($module)?),)+
                 }
             }
         }
 
-        /// The WGSL files of the laws with history: name, file and text.
-        pub(crate) const WGSL: &[(&str, &str, &str)] = &[$($((
+        /// The WGSL files of the laws with history: number, name, file and text.
+        pub(crate) const WGSL: &[(u32, &str, &str, &str)] = &[$($((
+            ContactLaw::$law.number(),
             stringify!($module),
             concat!("laws/", stringify!($module), ".wgsl"),
             include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/src/laws/", stringify!($module), ".wgsl")),
         ),)?)+];
-
-        /// The numbers of these laws in the kernels.
-        const NUMBERS: &[u32] = &[$($(laws!(@number $law $module),)?)+];
 
         /// What the file of a law with history gives, by the number of the law. `of` is compiled for each law, so that calls in
         /// loops over contacts are direct.
@@ -62,13 +58,10 @@ macro_rules! laws {
         pub(crate) fn of_file<T>(number: u32, of: impl FnOnce(&dyn GrainLaw) -> T) -> T {
             match number {
                 $($(number if number == ContactLaw::$law.number() => of(&$module::$law),)?)+
-                _ => unreachable!("a law without a file has no contacts with history"),
+                _ => unreachable!("the contacts of this law have no history"),
             }
         }
     };
-    (@number $law:ident $module:ident) => { ContactLaw::$law.number() };
-    (@has_file) => { false };
-    (@has_file $module:ident) => { true };
     (@file $law:ident) => { None };
     (@file $law:ident $module:ident) => { Some(&$module::$law) };
 }
@@ -213,12 +206,6 @@ pub(crate) struct Bodies {
     pub(crate) mass: f32,
 }
 
-/// What knows the law that the program gave.
-pub(crate) trait Program {
-    /// The law, and the values of its parameters for a contact.
-    fn law(&self) -> Option<(&ContactForceLaw, [f32; MOST_PARAMETERS])>;
-}
-
 /// A contact, at one force evaluation. With JKR cohesion, the overlap is that of a contact without attraction and with the same
 /// contact radius.
 #[derive(Clone, Copy)]
@@ -233,7 +220,8 @@ pub(crate) struct Contact<'a> {
     pub(crate) before: Option<f32>,
     /// Whether contacts resist rolling and twisting, which takes the normal stiffness.
     pub(crate) resists: bool,
-    pub(crate) program: &'a dyn Program,
+    /// The law that the program defines, and the values of its parameters for the contact.
+    pub(crate) program: Option<(&'a ContactForceLaw, [f32; MOST_PARAMETERS])>,
 }
 
 /// Stiffness of a contact at its present overlap.
@@ -298,17 +286,17 @@ const FUNCTIONS: [(&str, &str, &str, &str); 5] = [
 /// The text of `laws/chosen.wgsl`: functions that call those of the law of the kernel.
 pub(crate) fn chosen() -> String {
     let mut text = String::from("// requires model/step.wgsl physics/laws/stiffness.wgsl");
-    WGSL.iter().for_each(|(_, file, _)| text.extend([" ", file]));
+    WGSL.iter().for_each(|(.., file, _)| text.extend([" ", file]));
     text += "\n\n";
     let constant = |name: &str| format!("LAW_{}", name.to_uppercase());
-    for ((name, ..), number) in WGSL.iter().zip(NUMBERS) {
+    for (number, name, ..) in WGSL {
         text += &format!("const {}: u32 = {number}u;\n", constant(name));
     }
     for (function, parameter, kind, result) in FUNCTIONS {
         text += &format!("\nfn law_{function}({parameter}: {kind}) -> {result} {{\n");
-        for (name, ..) in WGSL {
-            let of_law = constant(name);
-            text += &format!("    if LAW == {of_law} {{\n        return {name}_{function}({parameter});\n    }}\n");
+        for (_, name, ..) in WGSL {
+            let law = constant(name);
+            text += &format!("    if LAW == {law} {{\n        return {name}_{function}({parameter});\n    }}\n");
         }
         // Not reached: kernels of other laws do not call these functions.
         text += &format!("    return {result}();\n}}\n");

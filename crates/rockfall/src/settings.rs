@@ -145,13 +145,14 @@ macro_rules! constant_table {
                 angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
             }
             host {
-                /// Contact law: `auto`, `thesis`, `linear`, `hertz-mindlin` or `rigid`. `auto` is `rigid` in scenes with a placed
-                /// body, an inlet with a shape, or a joint, and otherwise `thesis`. `linear` and `hertz-mindlin` need materials and keep
-                /// a tangential spring for every contact. They do not use `contact_force`, `contact_damping`, `friction` and
-                /// `resting_overlap`. Setting them by name (also in a scene text and in Python) switches `collisions` off. With
-                /// `rigid`, contacts are hard: a solver takes frames of 1/60 s in substeps, and of the settings of contacts it
-                /// uses `restitution` and `coulomb_friction` alone. Setting it by name sets them to 0 and 0.5. Where `auto` means
-                /// `rigid`, 0.75 and 0, the defaults, count as not given, and become 0 and 0.5; a line of a scene text counts.
+                /// Contact law: `auto`, `thesis`, `rigid` or a grain law (`linear`, `hertz-mindlin`, `user`). `auto` is `rigid`
+                /// in scenes with a placed body, an inlet with a shape, or a joint, and otherwise `thesis`. Grain laws keep a
+                /// tangential spring for every contact, and all but `user` need materials. They do not use `contact_force`,
+                /// `contact_damping`, `friction` and `resting_overlap`. Setting them by name (also in a scene text and in
+                /// Python) switches `collisions` off. With `rigid`, contacts are hard: a solver takes frames of 1/60 s in
+                /// substeps, and of the settings of contacts it uses `restitution` and `coulomb_friction` alone. Setting it by
+                /// name sets them to 0 and 0.5. Where `auto` means `rigid`, 0.75 and 0, the defaults, count as not given, and
+                /// become 0 and 0.5; a line of a scene text counts.
                 contact_law: law = ContactLaw::Auto, "", None;
                 /// Gravity G in units/s².
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));

@@ -106,7 +106,7 @@ impl Contact<'_> {
     /// Applies something to the law of the program and what it knows of the contact.
     pub(crate) fn with_law<T: Default>(&self, apply: impl FnOnce(&ContactForceLaw, &ContactInput<'_>) -> T) -> T {
         // A simulation with the setting `user` has a law.
-        let Some((law, values)) = self.program.law() else { return T::default() };
+        let Some((law, values)) = self.program else { return T::default() };
         let mut input = ContactInput::default();
         (input.overlap, input.speed) = (self.overlap, self.approach);
         (input.radius, input.mass) = (self.bodies.radius, self.bodies.mass);

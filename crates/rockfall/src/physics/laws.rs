@@ -1,9 +1,9 @@
 //! What contact laws with a history have in common (docs/physics section 4.11).
 //!
-//! The table of the laws and their files are in `laws`. A law gives the stiffness, normal force and damping of a contact.
-//! Everything else is here: the tangential spring, Coulomb's limit ([`contact`]), resistance to rolling and twisting ([`resistance`]),
-//! cohesion ([`jkr`], [`neck`]), and where the history is kept ([`history`]). The thesis's law, which has no history, is in
-//! `physics/contact.*`.
+//! The table of the laws and their files are in `crate::laws`. A law gives the stiffness, normal force and damping of a
+//! contact. Everything else is here: the tangential spring and Coulomb's limit ([`contact`]), resistance to rolling and
+//! twisting ([`resistance`]), cohesion ([`jkr`], [`neck`]), and where the history is kept ([`history`]). The thesis's law,
+//! which has no history, is in `physics/contact.*`.
 
 pub(crate) mod before;
 pub(crate) mod contact;

@@ -187,7 +187,7 @@ static CHOSEN_LAW: LazyLock<String> = LazyLock::new(laws::chosen);
 pub fn shared() -> impl Iterator<Item = Part> {
     let step = Part { file: "model/step.wgsl", text: &STEP };
     let chosen = Part { file: "laws/chosen.wgsl", text: &CHOSEN_LAW };
-    let laws = laws::WGSL.iter().map(|&(_, file, text)| Part { file, text });
+    let laws = laws::WGSL.iter().map(|&(.., file, text)| Part { file, text });
     SHARED.iter().chain(forces::PARTS).copied().chain(laws).chain([step, chosen])
 }
 

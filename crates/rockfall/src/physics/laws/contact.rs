@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::error::Error;
-use crate::laws::{Answer, Bodies, Constants, Contact, Program, of_file};
+use crate::laws::{Answer, Bodies, Constants, Contact, of_file};
 use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
@@ -13,7 +13,6 @@ use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
 use crate::physics::touch::Touch;
-use crate::user_laws::{ContactForceLaw, MOST_PARAMETERS};
 
 /// The state of a contact between two steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -117,8 +116,7 @@ pub(crate) fn law_force(
     let bodies = Bodies::of(&a, &b);
     let bond = Bond::of(&constants, bodies.radius, overlap);
     let depth = bond.depth;
-    let program = Pair(view, [id_a, id_b]);
-    let mut contact = contact(view, &constants, &bodies, [depth, approach], &program);
+    let mut contact = contact(view, [id_a, id_b], &constants, &bodies, [depth, approach]);
     contact.before = before.map(|before| before.overlap);
     let answer = of_file(step.layout.law, |law| law.answer(&contact));
     let (stiff, normal, damping) = (answer.stiffness, answer.press, answer.dashpot);
@@ -205,32 +203,22 @@ fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, B
     (Constants::of(view, id_a, id_b), Bodies::of(&a, &b), (a.velocity - b.velocity).dot(touch.normal))
 }
 
-/// Two objects, whose contact may have a law of the program.
-struct Pair<'a>(&'a View<'a>, [u32; 2]);
-
-impl Program for Pair<'_> {
-    fn law(&self) -> Option<(&ContactForceLaw, [f32; MOST_PARAMETERS])> {
-        let Self(view, [a, b]) = *self;
-        view.contact_law(a, b)
-    }
-}
-
-/// A new contact with an overlap and a speed of approach.
+/// A new contact of two objects with an overlap and a speed of approach.
 fn contact<'a>(
-    view: &View,
+    view: &View<'a>,
+    [id_a, id_b]: [u32; 2],
     constants: &'a Constants,
     bodies: &'a Bodies,
     [overlap, approach]: [f32; 2],
-    program: &'a Pair,
 ) -> Contact<'a> {
     let resists = view.step.constants.flags & FLAG_RESISTANCE != 0;
-    Contact { constants, bodies, overlap, approach, before: None, resists, program }
+    Contact { constants, bodies, overlap, approach, before: None, resists, program: view.contact_law(id_a, id_b) }
 }
 
 /// The error of a contact of two objects to which the law of the program gives a response that is not finite.
 pub(crate) fn not_finite(view: &View, ids: [u32; 2], touch: &Touch, what: &str) -> Option<Error> {
-    let ((constants, bodies, approach), program) = (of_touch(view, ids, touch), Pair(view, ids));
-    let contact = contact(view, &constants, &bodies, [touch.overlap, approach], &program);
+    let (constants, bodies, approach) = of_touch(view, ids, touch);
+    let contact = contact(view, ids, &constants, &bodies, [touch.overlap, approach]);
     contact.with_law(|law, input| law.not_finite(input, what))
 }
 
@@ -245,9 +233,9 @@ pub(crate) struct Pliancy {
 
 /// Stiffness and damping of a contact by a law with history (docs/physics section 2.18).
 pub(crate) fn pliancy(view: &View, ids: [u32; 2], touch: &Touch) -> Pliancy {
-    let ((constants, bodies, approach), program) = (of_touch(view, ids, touch), Pair(view, ids));
+    let (constants, bodies, approach) = of_touch(view, ids, touch);
     let depth = Bond::of(&constants, bodies.radius, touch.overlap).depth;
-    let contact = contact(view, &constants, &bodies, [depth, approach], &program);
+    let contact = contact(view, ids, &constants, &bodies, [depth, approach]);
     let dt = view.step.constants.dt;
     let (now, [normal, damping]) = of_file(view.step.layout.law, |law| (law.answer(&contact), law.slopes(&contact, dt)));
     Pliancy { stiffness: [normal, now.stiffness.tangential], damping: [damping, now.dashpot] }
@@ -259,8 +247,7 @@ pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) ->
     if let Some(energy) = jkr::energy(&constants, bodies.radius, touch.overlap) {
         return energy;
     }
-    let program = Pair(view, [id_a, id_b]);
-    let contact = contact(view, &constants, &bodies, [touch.overlap, 0.0], &program);
+    let contact = contact(view, [id_a, id_b], &constants, &bodies, [touch.overlap, 0.0]);
     let elastic = of_file(view.step.layout.law, |law| law.energy(&contact));
     elastic - f64::from(constants.cohesion) * f64::from(bodies.radius) * f64::from(touch.overlap)
 }

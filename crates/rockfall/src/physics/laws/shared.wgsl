@@ -1,5 +1,5 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/laws/history.wgsl physics/pairs.wgsl physics/rigid.wgsl
-// requires laws/chosen.wgsl physics/rigid_parts.wgsl
+// requires laws/chosen.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl
+// requires physics/laws/history.wgsl physics/pairs.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
 // Tangential springs that overlapping spheres of a rigid body share (docs/physics section 4.11).
 

@@ -1,7 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl
 // requires physics/collision/hidden_crossing.wgsl physics/contact.wgsl physics/forces/due.wgsl physics/forces/sphere_push.wgsl
-// requires physics/geometry.wgsl physics/round_pair.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/jkr.wgsl physics/pairs.wgsl
-// requires laws/chosen.wgsl physics/laws/stiffness.wgsl
+// requires laws/chosen.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/before.wgsl
+// requires physics/laws/contact.wgsl physics/laws/jkr.wgsl physics/laws/stiffness.wgsl physics/pairs.wgsl
 // requires physics/rigid_side.wgsl physics/seams_of_list.wgsl physics/surface.wgsl physics/surfaces_of_list.wgsl
 // requires physics/walls.wgsl
 
