@@ -31,12 +31,13 @@ impl GrainLaw for HertzMindlin {
     /// 4/3 E* sqrt(R*) overlap^1.5 = F.
     fn overlap_under(&self, given: &Given, bodies: Reduced, force: f64) -> Option<(f64, f64)> {
         let stiffness = 4.0 / 3.0 * given.young()? * bodies.radius.sqrt();
-        Some(((force / stiffness).powf(2.0 / 3.0), 1.5))
+        Some((libm::pow(force / stiffness, 2.0 / 3.0), 1.5))
     }
 
     /// (15 m u² / (16 E* sqrt(R*)))^(2/5).
     fn depth_at(&self, given: &Given, bodies: Reduced, speed: f64) -> Option<(f64, f64)> {
-        Some(((15.0 * bodies.mass * speed * speed / (16.0 * given.young()? * bodies.radius.sqrt())).powf(0.4), 2.5))
+        let stiffness = 16.0 * given.young()? * bodies.radius.sqrt();
+        Some((libm::pow(15.0 * bodies.mass * speed * speed / stiffness, 0.4), 2.5))
     }
 
     /// The Rayleigh time.
@@ -55,7 +56,7 @@ impl GrainLaw for HertzMindlin {
     fn impact_time(&self, ball: &Ball, speed: f64) -> Option<f64> {
         let stiffest = ball.partners.iter().filter_map(Given::young).fold(0.0, f64::max);
         let Reduced { radius, mass } = ball.reduced();
-        (stiffest > 0.0).then(|| 2.87 * (mass * mass / (radius * stiffest.powi(2) * speed)).powf(0.2))
+        (stiffest > 0.0).then(|| 2.87 * libm::pow(mass * mass / (radius * stiffest.powi(2) * speed), 0.2))
     }
 
     fn answer(&self, contact: &Contact) -> Answer {

@@ -93,7 +93,7 @@ fn estimate(given: &Given, bodies: Reduced) -> Option<f64> {
     }
     let (speed, young) = given.characteristic_velocity.zip(given.young())?;
     let elastic = 16.0 / 15.0 * bodies.radius.sqrt() * young;
-    Some(elastic * (bodies.mass * f64::from(speed).powi(2) / elastic).powf(0.2))
+    Some(elastic * libm::pow(bodies.mass * f64::from(speed).powi(2) / elastic, 0.2))
 }
 
 /// The stiffness that is given for the pair; or, where the normal constant is negative, that which follows from E*, the
