@@ -3,10 +3,9 @@ use crate::user_laws::ContactResponse;
 use crate::{Integrator, Material, Pair, Scene, Settings, Sphere};
 
 /// Text in which a user finds the names of the laws.
-const DOCS: [(&str, &str); 5] = [
+const DOCS: [(&str, &str); 4] = [
     ("settings.rs", include_str!("../settings.rs")),
     ("docs/guide.md", include_str!("../../../../docs/guide.md")),
-    ("docs/python.md", include_str!("../../../../docs/python.md")),
     ("docs/models.md", include_str!("../../../../docs/models.md")),
     ("typing.py", include_str!("../../../rockfall-python/python/rockfall/typing.py")),
 ];
@@ -83,7 +82,8 @@ fn every_law_has_a_force_slopes_and_an_energy() {
         assert!(force > 0.0 && near((energy(d + h) - energy(d - h)) / twice, force), "{law}");
         let [by_overlap, by_speed] = with_contact(file, d, 0.0, |contact| file.slopes(contact, 1e-3)).map(f64::from);
         assert!(near((press(d + h, 0.0) - press(d - h, 0.0)) / twice, by_overlap), "{law}: {by_overlap}");
-        assert!(near((press(d, h) - press(d, -h)) / twice, by_speed), "{law}: {by_speed}");
+        let v = 1e-2_f32;
+        assert!(near((press(d, v) - press(d, -v)) / f64::from(2.0 * v), by_speed), "{law}: {by_speed}");
         let answer = with_contact(file, d, 0.0, |contact| file.answer(contact));
         assert!(answer.stiffness.tangential > 0.0 && answer.dashpot > 0.0, "{law}");
         assert!(near(answer.stiffness.normal.into(), by_overlap), "{law}");
