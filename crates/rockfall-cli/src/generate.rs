@@ -164,7 +164,7 @@ fn harden(scene: &mut Scene) -> Result<(), Failure> {
         return Ok(());
     }
     let settings = &mut scene.settings;
-    if settings.contact_law != ContactLaw::HertzMindlin {
+    if !settings.contact_law.has_history() {
         (settings.gravity, settings.restitution, settings.coulomb_friction) = (10.0, 0.0, 0.4);
     }
     settings.contact_law = ContactLaw::Rigid;

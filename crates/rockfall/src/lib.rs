@@ -83,6 +83,7 @@ pub mod error;
 pub mod exec;
 mod fine;
 pub mod generate;
+mod laws;
 mod mesh;
 #[doc(hidden)]
 pub mod model;

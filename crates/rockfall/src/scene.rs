@@ -48,7 +48,7 @@ pub use bonded::BondedSets;
 pub(crate) use checks::finite;
 pub use colour::Colour;
 pub(crate) use colour::is_hexadecimal;
-pub(crate) use contact_law::{Dampings, TANGENTIAL_RATIO};
+pub(crate) use contact_law::Dampings;
 pub(crate) use gauge::Front;
 pub use gauge::{Gauge, Gauged};
 use groups::Groups;

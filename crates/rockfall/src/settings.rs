@@ -10,6 +10,7 @@ use crate::error::{Error, Result, quoted};
 
 mod integrator;
 
+pub use crate::laws::ContactLaw;
 pub use integrator::{Integrator, IntegratorChoice};
 
 /// The fixed time step of the thesis, in s.
@@ -144,13 +145,14 @@ macro_rules! constant_table {
                 angular_damping: not_negative = 0.0, "1/s", Some((0.0, 10.0));
             }
             host {
-                /// Contact law: `auto`, `thesis`, `linear`, `hertz-mindlin` or `rigid`. `auto` is `rigid` in scenes with a placed
-                /// body, an inlet with a shape, or a joint, and otherwise `thesis`. `linear` and `hertz-mindlin` need materials and keep
-                /// a tangential spring for every contact. They do not use `contact_force`, `contact_damping`, `friction` and
-                /// `resting_overlap`. Setting them by name (also in a scene text and in Python) switches `collisions` off. With
-                /// `rigid`, contacts are hard: a solver takes frames of 1/60 s in substeps, and of the settings of contacts it
-                /// uses `restitution` and `coulomb_friction` alone. Setting it by name sets them to 0 and 0.5. Where `auto` means
-                /// `rigid`, 0.75 and 0, the defaults, count as not given, and become 0 and 0.5; a line of a scene text counts.
+                /// Contact law: `auto`, `thesis`, `rigid` or a grain law (`linear`, `hertz-mindlin`, `user`). `auto` is `rigid`
+                /// in scenes with a placed body, an inlet with a shape, or a joint, and otherwise `thesis`. Grain laws keep a
+                /// tangential spring for every contact, and all but `user` need materials. They do not use `contact_force`,
+                /// `contact_damping`, `friction` and `resting_overlap`. Setting them by name (also in a scene text and in
+                /// Python) switches `collisions` off. With `rigid`, contacts are hard: a solver takes frames of 1/60 s in
+                /// substeps, and of the settings of contacts it uses `restitution` and `coulomb_friction` alone. Setting it by
+                /// name sets them to 0 and 0.5. Where `auto` means `rigid`, 0.75 and 0, the defaults, count as not given, and
+                /// become 0 and 0.5; a line of a scene text counts.
                 contact_law: law = ContactLaw::Auto, "", None;
                 /// Gravity G in units/s².
                 gravity: finite = 1.0, "units/s²", Some((-10.0, 20.0));
@@ -356,8 +358,7 @@ fn direction(field: &'static str, value: &str) -> Result<Vec3> {
 }
 
 fn law(field: &'static str, value: &str) -> Result<ContactLaw> {
-    let law = ContactLaw::ALL.into_iter().find(|law| law.name() == value.trim());
-    law.ok_or_else(|| invalid(field, value, "auto, thesis, linear, hertz-mindlin, user or rigid"))
+    ContactLaw::from_name(value.trim()).map_err(|names| invalid(field, value, names))
 }
 
 fn precision(field: &'static str, value: &str) -> Result<Precision> {
@@ -393,64 +394,6 @@ impl Precision {
 }
 
 impl fmt::Display for Precision {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// The law of the forces in contacts (docs/physics sections 4.3 to 4.6 and 4.11).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum ContactLaw {
-    /// The law of the thesis: stiffness and damping in proportion to the reduced mass, and friction without history.
-    Thesis,
-    /// Springs of constant stiffness, with a tangential spring up to Coulomb's limit (Cundall and Strack 1979).
-    Linear,
-    /// Elastic bodies with curved surfaces (Hertz 1882, Mindlin 1949).
-    HertzMindlin,
-    /// A law that the program defines ([`ContactForceLaw`](crate::ContactForceLaw)).
-    User,
-    /// Hard contacts: a solver finds the impulses of all contacts of a frame (docs/physics section 11).
-    Rigid,
-    /// Chosen by the objects of the scene: see [`Scene::contact_law`](crate::Scene::contact_law). A simulation has the law that was
-    /// chosen.
-    #[default]
-    Auto,
-}
-
-impl ContactLaw {
-    /// All laws. The place of a law is its number in the kernels.
-    pub const ALL: [Self; 6] = [Self::Thesis, Self::Linear, Self::HertzMindlin, Self::User, Self::Rigid, Self::Auto];
-
-    /// Name in scene files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Thesis => "thesis",
-            Self::Linear => "linear",
-            Self::HertzMindlin => "hertz-mindlin",
-            Self::User => "user",
-            Self::Rigid => "rigid",
-            Self::Auto => "auto",
-        }
-    }
-
-    /// Number of the law in the kernels.
-    pub(crate) const fn number(self) -> u32 {
-        self as u32
-    }
-
-    /// The law of a number.
-    pub(crate) fn from_number(number: u32) -> Self {
-        Self::ALL.into_iter().find(|law| law.number() == number).unwrap_or(Self::Thesis)
-    }
-
-    /// Whether contacts have a tangential spring, which is kept from step to step.
-    pub const fn has_history(self) -> bool {
-        !matches!(self, Self::Thesis | Self::Rigid | Self::Auto)
-    }
-}
-
-impl fmt::Display for ContactLaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }

@@ -172,14 +172,6 @@ constants! {
     pub const PAIR_WORDS: u32 = 12;
     /// Value of [`Layout::law`](crate::model::step::Layout::law): the law of the thesis.
     pub const LAW_THESIS: u32 = 0;
-    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law `linear`.
-    pub const LAW_LINEAR: u32 = 1;
-    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law `hertz-mindlin`.
-    pub const LAW_HERTZ_MINDLIN: u32 = 2;
-    /// Value of [`Layout::law`](crate::model::step::Layout::law): the law that the program defines.
-    pub const LAW_USER: u32 = 3;
-    /// Distance over which the stiffness of the law that the program defines is found, per overlap.
-    pub const USER_REACH: f32 = 0.01;
     /// Words of the spring of a contact: displacement x, y, z, overlap, moment x, y, z, key.
     pub const HISTORY_WORDS: u32 = 8;
     /// Records of a block of springs. A mover has one block of its own, and chains further ones from a pool.

@@ -47,8 +47,6 @@ const CONTINUOUS: bool = true;
 // The contact law. Kernels are compiled for one law.
 const LAW: u32 = 1u;
 
-const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
-
 // Without rods, all contacts have feature 0, and ids get all bits.
 const FEATURE_BITS: u32 = 4u * u32(RODS);
 const FEATURE_MASK: u32 = (1u << FEATURE_BITS) - 1u;

@@ -11,7 +11,7 @@ use crate::settings::Integrator;
 /// conditions over it, in a function beside the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Traits {
-    /// The contact law, one of the `LAW_*` constants.
+    /// The number of the contact law.
     pub law: u32,
     /// The integrator.
     pub integrator: Integrator,

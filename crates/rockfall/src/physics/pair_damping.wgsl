@@ -1,4 +1,4 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/quaternion.wgsl physics/rigid.wgsl
+// requires laws/chosen.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/quaternion.wgsl physics/rigid.wgsl
 // requires physics/rigid_form.wgsl physics/rigid_parts.wgsl
 
 // Damping of the contacts of the spheres of two bodies, at least one of which is a rigid body (docs/physics section 4.16).
@@ -112,10 +112,7 @@ fn pair_damping(a: u32, b: u32, o: f32, n: vec3f, w: f32) -> f32 {
             }
             let torque_a = cross(lever, met.xyz);
             let torque_b = cross(lever_b, met.xyz);
-            var kappa = 1.0;
-            if LAW == LAW_HERTZ_MINDLIN {
-                kappa = sqrt(radii.x * radii.y / (radii.x + radii.y) / reduced * met.w / o);
-            }
+            let kappa = law_stiffness_by_overlap(radii.x * radii.y / (radii.x + radii.y) / reduced * met.w / o);
             let push = kappa * met.w;
             total.sums += push * vec2f(1.0, met.w);
             total.force += push * met.xyz;

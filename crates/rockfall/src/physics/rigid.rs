@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::model::layout::LAW_HERTZ_MINDLIN;
+use crate::laws::of_file;
 use crate::model::view::{Object, RigidRecord, View};
 use crate::physics::motions::Touch;
 use crate::physics::side::{Side, side};
@@ -121,10 +121,8 @@ fn wall_damping(view: &View, own: u32, touch: &Touch, inverse_mass: f32) -> f32 
         if overlap <= 0.0 {
             continue;
         }
-        let stiffness = match view.step.layout.law {
-            LAW_HERTZ_MINDLIN => (radius * overlap / (body.radius * touch.overlap)).sqrt(),
-            _ => 1.0,
-        };
+        let ratio = radius * overlap / (body.radius * touch.overlap);
+        let stiffness = of_file(view.step.layout.law, |law| law.stiffness_by_overlap(ratio));
         let push = stiffness * overlap;
         force += push;
         moment += push * place;
@@ -170,10 +168,8 @@ fn pair_damping(view: &View, own: [u32; 2], touch: &Touch, inverse_mass: f32) ->
                 continue;
             }
             let turns = [k, l].map(|member| member.place.cross(normal));
-            let stiffness = match view.step.layout.law {
-                LAW_HERTZ_MINDLIN => (reduced([k, l]) / own_reduced * overlap / touch.overlap).sqrt(),
-                _ => 1.0,
-            };
+            let ratio = reduced([k, l]) / own_reduced * overlap / touch.overlap;
+            let stiffness = of_file(view.step.layout.law, |law| law.stiffness_by_overlap(ratio));
             let pressed = stiffness * overlap;
             push += pressed;
             energy += pressed * overlap;

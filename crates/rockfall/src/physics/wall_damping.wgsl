@@ -1,4 +1,4 @@
-// requires physics/pair_damping.wgsl model/order.wgsl model/step.wgsl physics/rigid_parts.wgsl
+// requires laws/chosen.wgsl physics/pair_damping.wgsl model/order.wgsl model/step.wgsl physics/rigid_parts.wgsl
 
 // Factor of the damping of a contact of a and b (docs/physics section 4.16), which damps as one with the other contacts of the same two
 // bodies. `w` holds the inverse masses of a and b.
@@ -38,10 +38,7 @@ fn wall_damping(a: u32, o: f32, n: vec3f, w: f32) -> f32 {
         if !(oj > 0.0) {
             continue;
         }
-        var kappa = 1.0;
-        if LAW == LAW_HERTZ_MINDLIN {
-            kappa = sqrt(radius * oj / (body.radius * o));
-        }
+        let kappa = law_stiffness_by_overlap(radius * oj / (body.radius * o));
         sums += kappa * oj * vec2f(1.0, oj);
         moment += kappa * oj * lever;
     }

@@ -1,14 +1,15 @@
 //! Constants of the contact laws with history, from materials and pairs (docs/physics section 4.11).
 
+use std::sync::LazyLock;
+
 use glam::Vec3;
 
 use crate::error::{Error, Result, quoted};
+use crate::laws::{Given, GrainLaw, Needs, grain_names};
 use crate::scene::restitution::damping_for;
 use crate::scene::{Body, CohesionModel, Inlet, Material, RigidBody, RollingModel, Scene, Shape, ShapeId};
 use crate::settings::{ContactLaw, Integrator, Settings};
 
-/// Ratio of the tangential to the normal stiffness in the law `linear`.
-pub(crate) const TANGENTIAL_RATIO: f32 = 2.0 / 7.0;
 /// Ratio of rolling damping where a pair has none: that of Ai, Chen, Rotter and Ooi (2011).
 const ROLLING_DAMPING: f32 = 0.3;
 /// Least constant of JKR cohesion, in units^(1/3). With a smaller one, the overlap in units of the neck would overflow in f32.
@@ -19,11 +20,13 @@ const LEAST_NECK: f64 = 1e-15;
 pub(crate) struct Dampings(Vec<(f32, f32)>);
 
 impl Dampings {
-    fn of(&mut self, law: ContactLaw, restitution: f32) -> f32 {
+    /// 0 for a law with a damping of its own.
+    fn of(&mut self, law: &dyn GrainLaw, restitution: f32) -> f32 {
+        let Some(elastic) = law.unit_impact() else { return 0.0 };
         if let Some((_, known)) = self.0.iter().find(|(known, _)| *known == restitution) {
             return *known;
         }
-        let damping = damping_for(law, restitution);
+        let damping = damping_for(elastic, restitution);
         self.0.push((restitution, damping));
         damping
     }
@@ -46,9 +49,7 @@ impl Scene {
         self.check_joints()?;
         self.check_groups()?;
         self.check_shapes_of_law()?;
-        if !law.has_history() {
-            return Ok(());
-        }
+        let Some(grain) = law.grain() else { return Ok(()) };
         if integrator == Integrator::Rk4 {
             return refused(
                 format!("{law} with the integrator rk4"),
@@ -56,8 +57,8 @@ impl Scene {
                  forces per step",
             );
         }
-        if law == ContactLaw::User {
-            // It needs no materials.
+        let needs = grain.needs();
+        if matches!(needs, Needs::Nothing) {
             return Ok(());
         }
         let moves = |id| self.sphere(id).is_ok_and(|sphere| !sphere.fixed);
@@ -97,21 +98,23 @@ impl Scene {
         let used: Vec<u16> = (1..used.len()).filter(|number| used[*number] > 0).map(|number| number as u16).collect();
         let name = |number: u16| &self.materials()[usize::from(number) - 1];
         for (place, one) in used.iter().enumerate() {
-            let Material { name: one_name, young, poisson, .. } = name(*one);
-            if law == ContactLaw::HertzMindlin && (young.is_none() || poisson.is_none()) {
-                return refused(format!("{law} with the material {}", quoted(one_name)), "a material with young and poisson");
+            let Material { name: one_name, .. } = name(*one);
+            let lacks = |other: u16| grain.constants(&self.given(*one, other)).is_none();
+            if let Needs::OfMaterials(expected) = needs
+                && lacks(*one)
+            {
+                return refused(format!("{law} with the material {}", quoted(one_name)), expected);
             }
             for other in &used[place..] {
                 if may_touch(*one, *other) {
                     self.check_cohesion(*one, *other)?;
                 }
-                let lacks = may_touch(*one, *other) && self.normal_stiffness(*one, *other, 1.0, 1.0).is_none();
-                if law == ContactLaw::Linear && lacks {
-                    return refused(
-                        format!("{law} with the pair {} {}", quoted(one_name), quoted(&name(*other).name)),
-                        "a pair with stiffness, or its materials with a stiffness with themselves; or characteristic_velocity, and \
-                         materials with young and poisson",
-                    );
+                if let Needs::OfPairs(expected) = needs
+                    && may_touch(*one, *other)
+                    && lacks(*other)
+                {
+                    let pair = format!("{} {}", quoted(one_name), quoted(&name(*other).name));
+                    return refused(format!("{law} with the pair {pair}"), expected);
                 }
             }
         }
@@ -186,21 +189,29 @@ impl Scene {
     /// Checks that the scene may have the model of cohesion of two materials.
     fn check_cohesion(&self, one: u16, other: u16) -> Result<()> {
         let Settings { contact_law: law, collisions, .. } = self.chosen_settings();
-        if !self.sticks_by_necks(one, other) || law == ContactLaw::HertzMindlin && !collisions {
+        let has_necks = law.grain().is_some_and(GrainLaw::has_necks);
+        if !self.sticks_by_necks(one, other) || has_necks && !collisions {
             return Ok(());
         }
+        static EXPECTED: LazyLock<String> = LazyLock::new(|| {
+            let names = grain_names(GrainLaw::has_necks, "or");
+            format!(
+                "the contact law {names} with collisions off, or cohesion=dmt: a neck follows from the elastic contact, and \
+                 impulses would separate the bodies without it"
+            )
+        });
         let [one, other] = [one, other].map(|number| quoted(&self.materials()[usize::from(number) - 1].name));
-        let with = if law == ContactLaw::HertzMindlin {
-            " and collisions on".to_owned()
-        } else {
-            format!(" and the contact law {law}")
-        };
+        let with = if has_necks { " and collisions on".to_owned() } else { format!(" and the contact law {law}") };
         Err(Error::Invalid {
             field: "pair.cohesion",
             value: format!("jkr for the pair {one} {other}{with}"),
-            expected: "the contact law hertz-mindlin with collisions off, or cohesion=dmt: a neck follows from the elastic contact, and \
-                       impulses would separate the bodies without it",
+            expected: &EXPECTED,
         })
+    }
+
+    /// Whether necks (JKR cohesion) may hold contacts together under the law of the scene.
+    pub(crate) fn has_necks(&self) -> bool {
+        self.contact_law().grain().is_some_and(GrainLaw::has_necks)
     }
 
     /// Whether two materials have cohesion with necks, JKR.
@@ -221,7 +232,7 @@ impl Scene {
     /// The distance at which contacts with JKR cohesion tear, divided by the smallest radius of a sphere or rod: no contact is
     /// longer, in units of the radius of any of its objects. 0 in scenes without such cohesion.
     pub(crate) fn neck(&self) -> f64 {
-        if self.contact_law() != ContactLaw::HertzMindlin {
+        if !self.has_necks() {
             return 0.0;
         }
         let numbers = 1..=self.materials().len() as u16;
@@ -239,23 +250,13 @@ impl Scene {
     /// rolling friction, rolling damping (negative for the model of constant torque), twisting friction, cohesion (see
     /// [`PAIR_WORDS`](crate::model::layout::PAIR_WORDS)). 0 where the law has no constants for the pair.
     pub(crate) fn law_constants(&self, one: u16, other: u16, dampings: &mut Dampings) -> [f32; 8] {
-        let law = self.contact_law();
-        let pair = self.pair_of_numbers(one, other);
-        let known = match law {
-            ContactLaw::Linear => match pair.stiffness {
-                Some(stiffness) => Some([stiffness, TANGENTIAL_RATIO * stiffness]),
-                None => pair.characteristic_velocity.zip(self.moduli(one, other)).map(|(speed, [young, _])| [-young, speed]),
-            },
-            ContactLaw::HertzMindlin => self.moduli(one, other),
-            ContactLaw::User => Some(self.moduli(one, other).unwrap_or_default()),
-            ContactLaw::Thesis | ContactLaw::Rigid | ContactLaw::Auto => None,
-        };
-        let Some([normal, tangential]) = known else {
+        let known = self.contact_law().grain().and_then(|law| Some((law, law.constants(&self.given(one, other))?)));
+        let Some((law, [normal, tangential])) = known else {
             return [0.0; 8];
         };
+        let pair = self.pair_of_numbers(one, other);
         let restitution = pair.restitution.unwrap_or(self.settings.restitution);
-        // The law of the program has a damping of its own.
-        let damping = if law == ContactLaw::User { 0.0 } else { dampings.of(law, restitution) };
+        let damping = dampings.of(law, restitution);
         let friction = pair.friction.unwrap_or(self.settings.coulomb_friction);
         let rolling_damping = match pair.rolling_model.unwrap_or_default() {
             RollingModel::SpringDashpot => pair.rolling_damping.unwrap_or(ROLLING_DAMPING),
@@ -273,15 +274,11 @@ impl Scene {
         self.materials().iter().map(|material| material.name.as_str()).collect()
     }
 
-    /// Normal stiffness of the law `linear` for two materials, from R* and m*.
-    pub(crate) fn normal_stiffness(&self, one: u16, other: u16, radius: f64, mass: f64) -> Option<f64> {
+    /// What two materials give a law.
+    pub(crate) fn given(&self, one: u16, other: u16) -> Given {
         let pair = self.pair_of_numbers(one, other);
-        if let Some(stiffness) = pair.stiffness {
-            return Some(stiffness.into());
-        }
-        let (speed, [young, _]) = pair.characteristic_velocity.zip(self.moduli(one, other))?;
-        let hertz = 16.0 / 15.0 * radius.sqrt() * f64::from(young);
-        Some(hertz * (mass * f64::from(speed).powi(2) / hertz).powf(0.2))
+        let (stiffness, characteristic_velocity) = (pair.stiffness, pair.characteristic_velocity);
+        Given { stiffness, characteristic_velocity, moduli: self.moduli(one, other) }
     }
 
     /// E* and G* of two materials: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, with

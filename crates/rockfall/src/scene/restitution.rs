@@ -1,6 +1,7 @@
 //! The damping that gives a coefficient of restitution (docs/physics section 4.11).
 
-use crate::settings::ContactLaw;
+/// Elastic force and stiffness at an overlap, in units in which a law has no constants.
+type Elastic = fn(f64) -> (f64, f64);
 
 /// Smallest restitution that the laws produce. A smaller one would need a dashpot so strong that the time step resolves it badly.
 const LEAST: f64 = 0.01;
@@ -12,7 +13,7 @@ const MOST_DAMPING: f64 = 40.0;
 /// The dashpot is c = g sqrt(S m*), with the normal stiffness S at the present overlap. In units of the impact's own length and
 /// time, the motion depends on g alone. So the impact is integrated once per trial, with the force clipped at 0, and g is found
 /// by bisection. The known formulas for g leave the clip out.
-pub(crate) fn damping_for(law: ContactLaw, restitution: f32) -> f32 {
+pub(crate) fn damping_for(elastic: Elastic, restitution: f32) -> f32 {
     let wanted = f64::from(restitution).max(LEAST);
     if wanted >= 1.0 {
         return 0.0;
@@ -20,25 +21,17 @@ pub(crate) fn damping_for(law: ContactLaw, restitution: f32) -> f32 {
     let (mut low, mut high) = (0.0, MOST_DAMPING);
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
-        if rebound(law, middle) > wanted { low = middle } else { high = middle }
+        if rebound(elastic, middle) > wanted { low = middle } else { high = middle }
     }
     (0.5 * (low + high)) as f32
 }
 
-/// Elastic force and stiffness at an overlap, for a mass of 1.
-fn elastic(law: ContactLaw, overlap: f64) -> (f64, f64) {
-    match law {
-        ContactLaw::HertzMindlin => (2.0 / 3.0 * overlap * overlap.max(0.0).sqrt(), overlap.max(0.0).sqrt()),
-        _ => (overlap, 1.0),
-    }
-}
-
 /// Speed of rebound of an impact at speed 1.
-fn rebound(law: ContactLaw, damping: f64) -> f64 {
+fn rebound(elastic: Elastic, damping: f64) -> f64 {
     /// Time step, in units in which an undamped impact takes about 3.
     const STEP: f64 = 2e-3;
     let force = |overlap: f64, speed: f64| {
-        let (elastic, stiffness) = elastic(law, overlap);
+        let (elastic, stiffness) = elastic(overlap);
         elastic + damping * stiffness.sqrt() * speed
     };
     let (mut overlap, mut speed): (f64, f64) = (0.0, 1.0);
@@ -65,6 +58,7 @@ fn rebound(law: ContactLaw, damping: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::ContactLaw;
 
     /// Schwager and Poeschel, Granular Matter 9 (2007) 465: the linear law with the force clipped at 0. With z = g / 2 and
     /// w = sqrt(1 - z^2), e = exp(-z/w (pi - atan2(2 z w, 2 z^2 - 1))).
@@ -75,21 +69,22 @@ mod tests {
             let w = (1.0_f64 - z * z).sqrt();
             let angle = (2.0 * z * w).atan2(2.0 * z * z - 1.0);
             let expected = (-z / w * angle).exp();
-            let found = rebound(ContactLaw::Linear, damping);
+            let found = rebound(|overlap| (overlap, 1.0), damping);
             assert!((found - expected).abs() < 1e-4, "{damping}: {found}, {expected}");
         }
     }
 
     #[test]
     fn the_damping_gives_the_restitution() {
-        for law in [ContactLaw::Linear, ContactLaw::HertzMindlin] {
-            assert_eq!(damping_for(law, 1.0), 0.0);
+        let laws = ContactLaw::ALL.into_iter().filter_map(|law| Some((law, law.grain()?.unit_impact()?)));
+        for (law, elastic) in laws {
+            assert_eq!(damping_for(elastic, 1.0), 0.0);
             let mut before = f32::INFINITY;
             for e in [0.02, 0.1, 0.3, 0.5, 0.9, 0.99] {
-                let damping = damping_for(law, e);
+                let damping = damping_for(elastic, e);
                 assert!(damping < before, "less damping for more restitution");
                 before = damping;
-                let found = rebound(law, damping.into());
+                let found = rebound(elastic, damping.into());
                 assert!((found - f64::from(e)).abs() < 1e-4, "{law}: {found} in place of {e}");
             }
         }

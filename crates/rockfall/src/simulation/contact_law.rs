@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::physics::chain::touch;
-use crate::physics::laws::user::not_finite;
+use crate::physics::laws::contact::not_finite;
 use crate::physics::surface::visible_row;
 use crate::settings::ContactLaw;
 use crate::simulation::Simulation;

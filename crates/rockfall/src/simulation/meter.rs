@@ -58,16 +58,17 @@ impl Meter {
     }
 
     /// Whether the work less the growth of all energies is what contacts, joints and dampers of a scene have dissipated (docs/physics
-    /// section 2.12), apart from what tangential springs store. Under other laws than `linear`, `hertz-mindlin` and `rigid` forces have no
-    /// potential. External forces do work of their own, and so does, in the long frames of `rigid`, all that moves or drives bodies.
+    /// section 2.12), apart from what tangential springs store. Under the laws of the thesis and of a program
+    /// forces have no known potential. External forces do work of their own, and so does, in the long frames of `rigid`, all that
+    /// moves or drives bodies.
     pub fn knows_dissipation(scene: &Scene) -> bool {
         let pulls = scene.spheres().iter().any(|sphere| sphere.force != Vec3::ZERO)
             || scene.bodies().iter().any(|body| body.force != Vec3::ZERO || body.torque != Vec3::ZERO);
         let has_motors = || scene.joints().iter().any(|joint| joint.speed.is_some());
-        match scene.contact_law() {
-            ContactLaw::Linear | ContactLaw::HertzMindlin => !pulls,
-            ContactLaw::Rigid => !(pulls || is_driven(scene) || has_motors()),
-            _ => false,
+        let law = scene.contact_law();
+        match law.grain() {
+            Some(grain) => grain.has_potential() && !pulls,
+            None => law == ContactLaw::Rigid && !(pulls || is_driven(scene) || has_motors()),
         }
     }
 

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::laws::Reduced;
 use crate::scene::{Cuboid, Scene, Sphere};
 use crate::settings::ContactLaw;
 use crate::stability::{Thin, nearest, rounded_up};
@@ -40,12 +41,11 @@ impl DeepImpact {
             }
             _ => format!("polygons: the limit is the radius, {limit}"),
         };
-        let remedy = match law {
-            ContactLaw::Thesis => {
-                let force = f64::from(scene.resolved_settings().contact_force);
-                format!("use a contact_force of at least {}", nearest(rounded_up(factor * force)))
-            }
-            _ => format!("make the material at least {} times as stiff", nearest(rounded_up(factor))),
+        let remedy = if law.has_history() {
+            format!("make the material at least {} times as stiff", nearest(rounded_up(factor)))
+        } else {
+            let force = f64::from(scene.resolved_settings().contact_force);
+            format!("use a contact_force of at least {}", nearest(rounded_up(factor * force)))
         };
         format!(
             "contact law {law}: impacts of {} at {speed} units/s are up to {depth} units deep, {radii} radii, and may pass \
@@ -59,12 +59,11 @@ impl Scene {
     /// Returns a warning if the contact forces of the scene may let a body pass through a box or polygon, however short the
     /// time step is. `None` where collisions by impulses stop bodies, and for the law of a program.
     ///
-    /// The speed u is that of [`Scene::tunnelling`]. An elastic impact of a sphere of mass m on a wall is u sqrt(m / k) deep
-    /// for `linear`, (15 m u² / (16 E* sqrt(r)))^(2/5) for `hertz-mindlin`, and u / sqrt(Cc) for the law of the thesis. Damping
-    /// makes it less.
+    /// The speed u is that of [`Scene::tunnelling`]. An elastic impact on a wall is u / sqrt(Cc) deep for the law of the
+    /// thesis; the other laws have formulas of their own. Damping makes it less.
     pub fn deep_impact(&self) -> Option<DeepImpact> {
         let law = self.contact_law();
-        if self.settings.collisions || matches!(law, ContactLaw::User | ContactLaw::Rigid) {
+        if self.settings.collisions {
             return None;
         }
         let speed = self.greatest_speed() + self.greatest_wall_speed();
@@ -107,19 +106,11 @@ impl Scene {
     fn depth_of_impact(&self, sphere: &Sphere, wall: u16, speed: f64, force: f64) -> Option<(f64, f64)> {
         let own = self.material_number(sphere.material).ok()?;
         let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
-        match self.contact_law() {
+        let law = self.contact_law();
+        let Some(grain) = law.grain() else {
             // Without a contact force nothing is meant to be held.
-            ContactLaw::Thesis => (force > 0.0).then(|| (speed / force.sqrt(), 2.0)),
-            ContactLaw::Linear => {
-                let stiffness = self.normal_stiffness(own, wall, radius, mass)?;
-                let given = self.pair_of_numbers(own, wall).stiffness.is_some();
-                Some((speed * (mass / stiffness).sqrt(), if given { 2.0 } else { 2.5 }))
-            }
-            ContactLaw::HertzMindlin => {
-                let [normal, _] = self.moduli(own, wall)?;
-                Some(((15.0 * mass * speed * speed / (16.0 * f64::from(normal) * radius.sqrt())).powf(0.4), 2.5))
-            }
-            ContactLaw::User | ContactLaw::Rigid | ContactLaw::Auto => None,
-        }
+            return (law == ContactLaw::Thesis && force > 0.0).then(|| (speed / force.sqrt(), 2.0));
+        };
+        grain.depth_at(&self.given(own, wall), Reduced { radius, mass }, speed)
     }
 }

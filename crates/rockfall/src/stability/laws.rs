@@ -1,7 +1,6 @@
 //! The time within which the contact laws with history react, which bounds the time step (docs/physics section 4.11).
 
-use std::f64::consts::PI;
-
+use crate::laws::{Ball, Given, GrainLaw, grain_names};
 use crate::scene::{Scene, Sphere};
 use crate::settings::ContactLaw;
 use crate::stability::{at_most, nearest};
@@ -12,13 +11,12 @@ use crate::stability::{at_most, nearest};
 pub struct LawTime {
     /// The contact law.
     pub law: ContactLaw,
-    /// Shortest time of an elastic impact of the sphere with one of equal size and mass, in s; or, for `hertz-mindlin` without a
-    /// speed, the Rayleigh time of the sphere.
+    /// Shortest time of an elastic impact of the sphere with one of equal size and mass, in s; or the Rayleigh time of the sphere.
     pub seconds: f64,
     /// Index of the sphere, in order of addition.
     pub sphere: usize,
-    /// `hertz-mindlin`: speed of the impact that takes this time, in units/s. `None` for the Rayleigh time, and for `linear`, with
-    /// which the time does not depend on the speed.
+    /// Speed of the impact that takes this time, in units/s. `None` for the Rayleigh time, and for a law with which the time does
+    /// not depend on the speed.
     pub speed: Option<f64>,
 }
 
@@ -29,7 +27,7 @@ impl LawTime {
     }
 
     fn is_rayleigh(&self) -> bool {
-        self.law == ContactLaw::HertzMindlin && self.speed.is_none()
+        self.speed.is_none() && self.law.grain().is_some_and(GrainLaw::reacts_by_waves)
     }
 
     /// Returns whether a time step of `dt` seconds is too long.
@@ -70,37 +68,34 @@ impl Scene {
     /// The time that bounds the time step of a contact law with history; `None` for the law of the thesis, and where no moving
     /// sphere has the constants of the law.
     pub fn law_time(&self) -> Option<LawTime> {
-        let law = self.contact_law();
-        let times = self.moving_surfaces().filter_map(|(index, sphere)| {
-            let id = sphere.material?;
-            let mass = f64::from(sphere.mass);
-            let seconds = match law {
-                ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid | ContactLaw::Auto => return None,
-                ContactLaw::Linear => {
-                    let (number, radius) = (self.material_number(Some(id)).ok()?, 0.5 * f64::from(sphere.radius));
-                    let of = |other| self.normal_stiffness(number, other, radius, 0.5 * mass);
-                    let stiffest = (1..=self.materials().len() as u16).filter_map(of).fold(0.0, f64::max);
-                    (stiffest > 0.0).then(|| PI * (0.5 * mass / stiffest).sqrt())?
-                }
-                ContactLaw::HertzMindlin => {
-                    let material = self.material(id).ok()?;
-                    let (young, poisson) = (f64::from(material.young?), f64::from(material.poisson?));
-                    let radius = f64::from(sphere.radius);
-                    let density = mass / (4.0 / 3.0 * PI * radius.powi(3));
-                    let shear = young / (2.0 * (1.0 + poisson));
-                    PI * radius * (density / shear).sqrt() / (0.1631 * poisson + 0.8766)
-                }
-            };
-            Some(LawTime { law, seconds, sphere: index, speed: None })
-        });
-        times.min_by(|one, other| one.seconds.total_cmp(&other.seconds))
+        self.shortest(None, GrainLaw::reaction_time)
     }
 
-    /// All times that bound the time step of a contact law with history: [`Scene::law_time`], and for `hertz-mindlin` the shortest
-    /// time of an impact, 2.87 (m*² / (R* E*² u))^(1/5). u is the speed of the fastest body after a fall through the height of the
-    /// scene. There is no impact in a scene without speeds.
+    /// All times that bound the time step of a contact law with history: [`Scene::law_time`], and the shortest time of an
+    /// impact where it depends on the speed, which is that of the fastest body after a fall through the height of the scene. There
+    /// is no impact in a scene without speeds.
     pub fn law_times(&self) -> Vec<LawTime> {
-        self.law_time().into_iter().chain(self.hertz_time()).collect()
+        let speed = self.greatest_speed();
+        let impact = (speed > 0.0).then(|| self.shortest(Some(speed), |law, ball| law.impact_time(ball, speed))).flatten();
+        self.law_time().into_iter().chain(impact).collect()
+    }
+
+    /// The shortest time of the moving spheres.
+    fn shortest(&self, speed: Option<f64>, time: impl Fn(&'static dyn GrainLaw, &Ball) -> Option<f64>) -> Option<LawTime> {
+        let law = self.contact_law();
+        let grain = law.grain()?;
+        let numbers = 1..=self.materials().len() as u16;
+        let partners: Vec<Vec<Given>> =
+            numbers.clone().map(|one| numbers.clone().map(|other| self.given(one, other)).collect()).collect();
+        let times = self.moving_surfaces().filter_map(|(index, sphere)| {
+            let material = self.material(sphere.material?).ok()?;
+            let number = usize::from(self.material_number(sphere.material).ok()?).checked_sub(1)?;
+            let [radius, mass] = [sphere.radius, sphere.mass].map(f64::from);
+            let elastic = material.young.zip(material.poisson).map(|(young, poisson)| [young, poisson].map(f64::from));
+            let seconds = time(grain, &Ball { radius, mass, elastic, partners: &partners[number] })?;
+            Some(LawTime { law, seconds, sphere: index, speed })
+        });
+        times.min_by(|one, other| one.seconds.total_cmp(&other.seconds))
     }
 
     /// Names the properties of pairs that are given although the law of the thesis does not use them.
@@ -114,28 +109,8 @@ impl Scene {
         let names: Vec<&str> = given.into_iter().filter(|(_, is_given)| *is_given).map(|(name, _)| name).collect();
         let law = self.contact_law();
         (!names.is_empty() && !law.has_history()).then(|| {
-            format!("contact law {law}: {} of pairs has no effect; linear, hertz-mindlin and user use it", names.join(", "))
+            let users = grain_names(|_| true, "and");
+            format!("contact law {law}: {} of pairs has no effect; {users} use it", names.join(", "))
         })
-    }
-
-    fn hertz_time(&self) -> Option<LawTime> {
-        let (law, speed) = (self.contact_law(), self.greatest_speed());
-        if law != ContactLaw::HertzMindlin || speed <= 0.0 {
-            return None;
-        }
-        // The stiffest partner of each material.
-        let moduli: Vec<f64> = (1..=self.materials().len() as u16)
-            .map(|one| {
-                let with = |other| self.moduli(one, other).map_or(0.0, |[normal, _]| f64::from(normal));
-                (1..=self.materials().len() as u16).map(with).fold(0.0, f64::max)
-            })
-            .collect();
-        let times = self.moving_surfaces().filter_map(|(index, sphere)| {
-            let number = usize::from(self.material_number(sphere.material).ok()?).checked_sub(1)?;
-            let (mass, radius) = (0.5 * f64::from(sphere.mass), 0.5 * f64::from(sphere.radius));
-            let seconds = 2.87 * (mass * mass / (radius * moduli[number].powi(2) * speed)).powf(0.2);
-            (moduli[number] > 0.0).then_some(LawTime { law, seconds, sphere: index, speed: Some(speed) })
-        });
-        times.min_by(|one, other| one.seconds.total_cmp(&other.seconds))
     }
 }

@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use crate::scene::Scene;
-use crate::settings::ContactLaw;
 use crate::stability::{at_most, nearest};
 
 /// Part of the smallest radius above which the distance at which contacts tear is not small.
@@ -42,7 +41,7 @@ impl Scene {
     /// Shortest half period of a moving sphere in contact with one of equal size and mass, about the overlap without a force,
     /// and the index of the sphere.
     fn neck_time(&self) -> Option<(f64, usize)> {
-        if self.contact_law() != ContactLaw::HertzMindlin {
+        if !self.has_necks() {
             return None;
         }
         let numbers = 1..=self.materials().len() as u16;

@@ -1,8 +1,8 @@
 //! Estimates how deep bodies at rest overlap with the contact laws that keep springs.
 
-use std::f64::consts::SQRT_2;
 use std::fmt;
 
+use crate::laws::Reduced;
 use crate::scene::{Scene, Sphere};
 use crate::settings::ContactLaw;
 use crate::stability::depth::{DEEP, SAFETY};
@@ -44,9 +44,9 @@ impl Scene {
     /// Returns a warning if bodies at rest overlap by more than 5 % of their radius with a contact law that keeps springs; `None`
     /// for the law of the thesis, for which [`Scene::sinking`] warns.
     ///
-    /// The overlap is that of two equal spheres of the same material that are pressed by the force F = 3 l m g: k overlap = F for
-    /// `linear`, and 4/3 E* sqrt(r/2) overlap^1.5 = F for `hertz-mindlin`. The load l is estimated as in
-    /// [`Scene::resolved_settings`], and 3 because contacts do not carry equal shares. A body alone has l = 1, without the 3.
+    /// The overlap is that of two equal spheres of the same material that are pressed by the force F = 3 l m g. The load l is
+    /// estimated as in [`Scene::resolved_settings`], and 3 because contacts do not carry equal shares. A body alone has l = 1,
+    /// without the 3.
     pub fn soft_material(&self) -> Option<SoftMaterial> {
         let law = self.contact_law();
         let crowd = self.crowd();
@@ -75,14 +75,7 @@ impl Scene {
     pub(super) fn overlap_under(&self, sphere: &Sphere, force: f64) -> Option<(f64, f64)> {
         let number = self.material_number(Some(sphere.material?)).ok()?;
         let [mass, radius] = [sphere.mass, sphere.radius].map(f64::from);
-        match self.contact_law() {
-            ContactLaw::Thesis | ContactLaw::User | ContactLaw::Rigid | ContactLaw::Auto => None,
-            ContactLaw::Linear => Some((force / self.normal_stiffness(number, number, 0.5 * radius, 0.5 * mass)?, 1.0)),
-            ContactLaw::HertzMindlin => {
-                let [normal, _] = self.moduli(number, number)?;
-                let stiffness = 4.0 / 3.0 * f64::from(normal) * radius.sqrt() / SQRT_2;
-                Some(((force / stiffness).powf(2.0 / 3.0), 1.5))
-            }
-        }
+        let bodies = Reduced { radius: 0.5 * radius, mass: 0.5 * mass };
+        self.contact_law().grain()?.overlap_under(&self.given(number, number), bodies, force)
     }
 }

@@ -13,6 +13,7 @@
 
 use std::sync::LazyLock;
 
+use crate::laws;
 use crate::model::declared;
 use crate::model::part::{Part, part};
 use crate::model::status::COUNTER_BLOCKS;
@@ -103,15 +104,12 @@ const SHARED: &[Part] = &[
     part!("physics/scale.wgsl"),
     part!("physics/laws/before.wgsl"),
     part!("physics/laws/contact.wgsl"),
-    part!("physics/laws/hertz_mindlin.wgsl"),
     part!("physics/laws/history.wgsl"),
     part!("physics/laws/jkr.wgsl"),
-    part!("physics/laws/linear.wgsl"),
     part!("physics/laws/mover_contact.wgsl"),
     part!("physics/laws/resistance.wgsl"),
     part!("physics/laws/shared.wgsl"),
     part!("physics/laws/stiffness.wgsl"),
-    part!("physics/laws/user.wgsl"),
     part!("physics/lengths.wgsl"),
     part!("physics/motion.wgsl"),
     part!("physics/pair_damping.wgsl"),
@@ -179,10 +177,16 @@ const SHARED: &[Part] = &[
 /// Declarations for every kernel: a file, with those that Rust has too.
 static STEP: LazyLock<String> = LazyLock::new(|| part!("model/step.wgsl").text.to_owned() + &declared::wgsl());
 
-/// Every file that stages share, including the files of the body forces and the generated `body_forces.wgsl`.
+/// Calls of the functions of the contact law of the kernel.
+static CHOSEN_LAW: LazyLock<String> = LazyLock::new(laws::chosen);
+
+/// Every file that stages share, including the files of the body forces, the generated `body_forces.wgsl`, the files of the
+/// contact laws and the generated `chosen.wgsl`.
 pub fn shared() -> impl Iterator<Item = Part> {
     let step = Part { file: "model/step.wgsl", text: &STEP };
-    SHARED.iter().chain(forces::PARTS).copied().chain([step])
+    let chosen = Part { file: "laws/chosen.wgsl", text: &CHOSEN_LAW };
+    let laws = laws::WGSL.iter().map(|&(.., file, text)| Part { file, text });
+    SHARED.iter().chain(forces::PARTS).copied().chain(laws).chain([step, chosen])
 }
 
 /// The files that a file requires directly.
@@ -233,7 +237,7 @@ pub struct Variant {
     pub rods: bool,
     /// There may be large spheres, each of which gets a workgroup.
     pub large: bool,
-    /// The contact law, one of the `LAW_*` constants.
+    /// The number of the contact law: its place in [`ContactLaw::ALL`](crate::ContactLaw::ALL).
     pub law: u32,
     /// There may be springs with muscles.
     pub muscles: bool,

@@ -90,7 +90,7 @@ type Function = Arc<dyn Fn(&ContactInput<'_>) -> ContactResponse + Send + Sync>;
 
 /// A contact law that the program defines: the normal force, and the stiffness and damping of the tangential spring. The law belongs
 /// to the setting `contact_law user`. Friction, the memory of the spring, rolling and twisting resistance and cohesion are those of
-/// the laws `linear` and `hertz-mindlin`.
+/// the other grain laws.
 ///
 /// A law has WGSL text, a function of Rust of the same meaning, or both. The GPU needs the WGSL. The CPU backend calls the function,
 /// or evaluates the WGSL if there is no function, which is slower.

@@ -73,7 +73,7 @@ mod kernels {
     use super::{KernelLaws, Result, UserLaws};
     use crate::user_laws::forces;
 
-    /// The function of contacts that has to be replaced in kernels (`physics/laws/user.wgsl`).
+    /// The function of contacts that has to be replaced in kernels (`laws/user.wgsl`).
     const PLACE: &str =
         "fn user_response(pair: u32, contact: UserContact) -> Response {\n    return Response(0.0, 0.0, 0.0);\n}\n";
 

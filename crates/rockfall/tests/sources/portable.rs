@@ -4,8 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Folders and files of the crate that a step runs.
-const OF_STEPS: [&str; 15] = [
+const OF_STEPS: [&str; 16] = [
     "rotate.rs",
+    "laws",
     "physics",
     "step",
     "model",

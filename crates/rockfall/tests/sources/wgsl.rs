@@ -125,8 +125,8 @@ fn every_file_belongs_to_a_stage_or_is_shared() {
         let file = path.strip_prefix(&source).expect("below src").to_str().expect("UTF-8").replace('\\', "/");
         assert!(known.contains_key(file.as_str()), "{file} belongs to no stage and is not in a shared file of step/wgsl.rs");
     }
-    // Put together from the table of body forces, and from the declaration of `Step`.
-    let generated = ["physics/forces/body_forces.wgsl"];
+    // Put together from the tables of body forces and contact laws, and from the declaration of `Step`.
+    let generated = ["physics/forces/body_forces.wgsl", "laws/chosen.wgsl"];
     assert_eq!(found.len() + generated.len(), known.len());
     assert!(generated.iter().all(|file| known.contains_key(file)));
     let required: BTreeSet<_> = known.values().flat_map(|file| requires(file.part)).map(|part| part.file).collect();

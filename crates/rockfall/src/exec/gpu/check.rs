@@ -276,7 +276,7 @@ mod tests {
         let mut world = World::build(&scene).expect("arrays");
         world.step.layout.spheres = MAX_HISTORY_BLOCKS + 1;
         check_buffer(&world, Buffer::Histories).expect("no springs are needed");
-        world.step.layout.law = crate::model::layout::LAW_LINEAR;
+        world.step.layout.law = crate::ContactLaw::Linear.number();
         assert!(check_buffer(&world, Buffer::Histories).is_err());
     }
 }

@@ -2,12 +2,13 @@
 
 use glam::Vec3;
 
-use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE, LAW_USER};
+use crate::error::Error;
+use crate::laws::{Answer, Bodies, Constants, Contact, of_file};
+use crate::model::layout::{FLAG_COLLISIONS, FLAG_RESISTANCE};
 use crate::model::view::View;
 use crate::physics::contact::{ContactForce, collision_velocity};
 use crate::physics::laws::jkr::{self, Bond};
 use crate::physics::laws::resistance::{Kept, Turning};
-use crate::physics::laws::{Answer, Constants, answer, energy};
 use crate::physics::rigid::shared_damping;
 use crate::physics::side::Side;
 use crate::physics::sides::sides;
@@ -115,7 +116,9 @@ pub(crate) fn law_force(
     let bodies = Bodies::of(&a, &b);
     let bond = Bond::of(&constants, bodies.radius, overlap);
     let depth = bond.depth;
-    let answer = answer(view, [id_a, id_b], &constants, &bodies, [depth, approach], before.map(|before| before.overlap));
+    let mut contact = contact(view, [id_a, id_b], &constants, &bodies, [depth, approach]);
+    contact.before = before.map(|before| before.overlap);
+    let answer = of_file(step.layout.law, |law| law.answer(&contact));
     let (stiff, normal, damping) = (answer.stiffness, answer.press, answer.dashpot);
     let elastic = stiff.share * stiff.normal * depth;
     let attraction = constants.cohesion.max(0.0) * bodies.radius + bond.pull * elastic;
@@ -195,9 +198,28 @@ fn limited(t: &Tangential, limit: f32) -> (Vec3, Vec3, bool) {
 }
 
 /// Constants, bodies and speed of approach of a contact.
-pub(super) fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, Bodies, f32) {
+fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, Bodies, f32) {
     let [a, b] = sides(view, [id_a, id_b], touch);
     (Constants::of(view, id_a, id_b), Bodies::of(&a, &b), (a.velocity - b.velocity).dot(touch.normal))
+}
+
+/// A new contact of two objects with an overlap and a speed of approach.
+fn contact<'a>(
+    view: &View<'a>,
+    [id_a, id_b]: [u32; 2],
+    constants: &'a Constants,
+    bodies: &'a Bodies,
+    [overlap, approach]: [f32; 2],
+) -> Contact<'a> {
+    let resists = view.step.constants.flags & FLAG_RESISTANCE != 0;
+    Contact { constants, bodies, overlap, approach, before: None, resists, program: view.contact_law(id_a, id_b) }
+}
+
+/// The error of a contact of two objects to which the law of the program gives a response that is not finite.
+pub(crate) fn not_finite(view: &View, ids: [u32; 2], touch: &Touch, what: &str) -> Option<Error> {
+    let (constants, bodies, approach) = of_touch(view, ids, touch);
+    let contact = contact(view, ids, &constants, &bodies, [touch.overlap, approach]);
+    contact.with_law(|law, input| law.not_finite(input, what))
 }
 
 /// Stiffness and damping of a contact, along its normal and in its tangent plane.
@@ -213,16 +235,9 @@ pub(crate) struct Pliancy {
 pub(crate) fn pliancy(view: &View, ids: [u32; 2], touch: &Touch) -> Pliancy {
     let (constants, bodies, approach) = of_touch(view, ids, touch);
     let depth = Bond::of(&constants, bodies.radius, touch.overlap).depth;
-    let at = |overlap: f32, approach: f32| answer(view, ids, &constants, &bodies, [overlap, approach], None);
-    let now = at(depth, approach);
-    let [normal, damping] = if view.step.layout.law == LAW_USER {
-        let (reach, speed) = (0.01 * depth, 0.01 * depth / view.step.constants.dt);
-        let by_overlap = at(depth + reach, approach).press - at(depth - reach, approach).press;
-        let by_speed = at(depth, approach + speed).press - at(depth, approach - speed).press;
-        [by_overlap / (2.0 * reach), by_speed / (2.0 * speed)].map(|slope| slope.max(0.0))
-    } else {
-        [now.stiffness.normal, constants.damping * (now.stiffness.normal * bodies.mass).sqrt()]
-    };
+    let contact = contact(view, ids, &constants, &bodies, [depth, approach]);
+    let dt = view.step.constants.dt;
+    let (now, [normal, damping]) = of_file(view.step.layout.law, |law| (law.answer(&contact), law.slopes(&contact, dt)));
     Pliancy { stiffness: [normal, now.stiffness.tangential], damping: [damping, now.dashpot] }
 }
 
@@ -232,17 +247,9 @@ pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) ->
     if let Some(energy) = jkr::energy(&constants, bodies.radius, touch.overlap) {
         return energy;
     }
-    let elastic = energy(view, [id_a, id_b], &constants, &bodies, touch.overlap);
+    let contact = contact(view, [id_a, id_b], &constants, &bodies, [touch.overlap, 0.0]);
+    let elastic = of_file(view.step.layout.law, |law| law.energy(&contact));
     elastic - f64::from(constants.cohesion) * f64::from(bodies.radius) * f64::from(touch.overlap)
-}
-
-/// Properties of two bodies that a law depends on.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bodies {
-    /// R*, in units.
-    pub(crate) radius: f32,
-    /// m*.
-    pub(crate) mass: f32,
 }
 
 impl Bodies {

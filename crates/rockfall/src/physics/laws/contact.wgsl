@@ -1,35 +1,8 @@
-// requires model/step.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/laws/before.wgsl physics/laws/hertz_mindlin.wgsl
-// requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/linear.wgsl physics/laws/resistance.wgsl
-// requires physics/laws/stiffness.wgsl physics/laws/user.wgsl physics/pairs.wgsl physics/wall_damping.wgsl physics/walls.wgsl
+// requires model/step.wgsl laws/chosen.wgsl physics/contact.wgsl physics/round_pair.wgsl physics/laws/before.wgsl
+// requires physics/laws/history.wgsl physics/laws/jkr.wgsl physics/laws/resistance.wgsl physics/laws/stiffness.wgsl
+// requires physics/pairs.wgsl physics/wall_damping.wgsl physics/walls.wgsl
 
 // Forces of a contact by a law with history, and its tangential spring (docs/physics section 4.11).
-
-fn law_stiffness(constants: vec4f, radius: f32, mass: f32, overlap: f32, old_overlap: f32) -> Stiffness {
-    if LAW == LAW_HERTZ_MINDLIN {
-        return hertz_mindlin_stiffness(constants, radius, overlap, old_overlap);
-    }
-    return linear_stiffness(constants, radius, mass);
-}
-
-// The law of the scene at an overlap and a speed of approach.
-fn law_answer(
-    a: u32,
-    b: u32,
-    constants: vec4f,
-    radius: f32,
-    mass: f32,
-    overlap: f32,
-    approach: f32,
-    old_overlap: f32,
-) -> Answer {
-    if LAW == LAW_USER {
-        let contact = UserContact(overlap, approach, radius, mass, constants.x, constants.y);
-        return user_law(pair_number(a, b), contact, old_overlap);
-    }
-    let stiff = law_stiffness(constants, radius, mass, overlap, old_overlap);
-    let press = max(0.0, stiff.share * stiff.normal * overlap + constants.z * sqrt(stiff.normal * mass) * approach);
-    return Answer(stiff, press, constants.z * sqrt(stiff.tangential * mass));
-}
 
 struct LawForce {
     contact: ContactForce,
@@ -83,7 +56,7 @@ fn law_force(a_side: Side, b_side: Side, touch: Touch, a: u32, b: u32, start: Be
         cohesion = cohesion_of(a, b);
     }
     let bond = bond_at(cohesion, radius, overlap);
-    let answer = law_answer(a, b, constants, radius, mass, bond.depth, approach, before.overlap);
+    let answer = law_answer(LawContact(a, b, constants, radius, mass, bond.depth, approach, before.overlap));
     let stiff = answer.stiff;
     let push = answer.press;
     let elastic = stiff.share * stiff.normal * bond.depth;

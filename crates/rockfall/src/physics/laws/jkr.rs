@@ -5,7 +5,7 @@
 //! `Constants::cohesion` is
 //! -k with k³ = pi gamma / (4 E*), so that h = k² R*^(1/3).
 
-use super::Constants;
+use crate::laws::Constants;
 
 /// Newton steps that invert the overlap. The start is at most 23 % too large; three steps leave a relative error of 1e-13,
 /// without rounding.

@@ -1,9 +1,10 @@
 //! Which pairs are in contact: with JKR cohesion, also some that are apart (docs/physics section 4.13).
 
+use crate::laws::Constants;
 use crate::model::view::View;
 use crate::physics::chain::touch;
 use crate::physics::laws::history::Histories;
-use crate::physics::laws::{Constants, jkr};
+use crate::physics::laws::jkr;
 use crate::physics::side::side;
 use crate::physics::touch::{Touch, touch_apart};
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::physics::laws::{Constants, Stiffness};
+use crate::laws::{Constants, Stiffness};
 use crate::physics::side::Side;
 
 /// Properties of a contact that its resistances depend on.

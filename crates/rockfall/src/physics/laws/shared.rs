@@ -2,10 +2,9 @@
 
 use glam::Vec3;
 
-use crate::model::layout::{LAW_HERTZ_MINDLIN, LAW_USER};
+use crate::laws::{Constants, of_file};
 use crate::model::view::View;
 use crate::physics::chain;
-use crate::physics::laws::Constants;
 use crate::physics::laws::contact::{Share, Spring};
 use crate::physics::laws::history::Histories;
 use crate::physics::touch::Touch;
@@ -30,11 +29,10 @@ pub(crate) fn shared(
     own: Option<Spring>,
 ) -> Option<(Vec3, Share)> {
     let layout = view.step.layout;
-    if layout.rigid_bodies == 0 || layout.law == LAW_USER || Constants::of(view, ids[0], ids[1]).cohesion != 0.0 {
+    let force = |overlap: f32| of_file(layout.law, |law| law.relative_force(overlap));
+    if layout.rigid_bodies == 0 || force(1.0) == 0.0 || Constants::of(view, ids[0], ids[1]).cohesion != 0.0 {
         return None;
     }
-    let is_hertz = layout.law == LAW_HERTZ_MINDLIN;
-    let force = |overlap: f32| if is_hertz { overlap * overlap.max(0.0).sqrt() } else { overlap.max(0.0) };
     let others: Vec<_> = neighbours(view, histories, ids, feature, force).collect();
     if others.is_empty() {
         return None;
@@ -50,8 +48,8 @@ pub(crate) fn shared(
     let all: f32 = others.iter().map(lost).sum();
     let is_fed = gain > 0.0 && all > 0.0;
     let shift = if is_fed { ((part - gain) * own.shift + gain / all * brought) / part } else { own.shift };
-    let root = |x: f32| if is_hertz { libm::cbrtf(x) } else { 1.0 };
-    let share = Share { stiffness: part / root(part), unloading: root((now / before).min(1.0)) };
+    let stiffness = |force: f32| of_file(layout.law, |law| law.stiffness_by_force(force));
+    let share = Share { stiffness: part / stiffness(part), unloading: stiffness((now / before).min(1.0)) };
     Some((shift, share))
 }
 

@@ -1,5 +1,5 @@
-// requires model/objects.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl physics/laws/history.wgsl physics/pairs.wgsl physics/rigid.wgsl
-// requires physics/rigid_parts.wgsl
+// requires laws/chosen.wgsl model/objects.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl
+// requires physics/laws/history.wgsl physics/pairs.wgsl physics/rigid.wgsl physics/rigid_parts.wgsl
 
 // Tangential springs that overlapping spheres of a rigid body share (docs/physics section 4.11).
 
@@ -53,12 +53,6 @@ fn overlapped(group: Members, k: u32) -> u32 {
     return id_of(topology[group.members + k]);
 }
 
-// The elastic force at an overlap, up to a factor.
-fn relative_force(overlap: f32) -> f32 {
-    let depth = max(overlap, 0.0);
-    return select(depth, depth * sqrt(depth), LAW == LAW_HERTZ_MINDLIN);
-}
-
 // Sums over the contacts of neighbours with the same object, or with neighbours of it, that had a spring in the last step.
 struct Neighbours {
     // Forces in the last step and now.
@@ -83,7 +77,7 @@ fn neighbours(of_a: Members, of_b: Members, feature: u32, totals: vec2f) -> Neig
             if !(spring.overlap > 0.0) {
                 continue;
             }
-            let force = vec2f(relative_force(spring.overlap), relative_force(touch(pair.x, pair.y, feature).overlap));
+            let force = vec2f(law_relative_force(spring.overlap), law_relative_force(touch(pair.x, pair.y, feature).overlap));
             let lost = max(0.0, force.x / totals.x - force.y / totals.y);
             sums.force += force;
             sums.lost += lost;
@@ -95,7 +89,7 @@ fn neighbours(of_a: Members, of_b: Members, feature: u32, totals: vec2f) -> Neig
 
 // The share of a contact with this overlap. `spring` is its own one before the step; it gets what the share brings along.
 fn share_in_group(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<function, Spring>) -> SpringShare {
-    if LAW == LAW_USER {
+    if law_relative_force(1.0) == 0.0 {
         return SpringShare(1.0, 1.0, false);
     }
     let of_a = members_of(a);
@@ -103,7 +97,7 @@ fn share_in_group(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<functi
     if (of_a.count * of_b.count == 1u) || (cohesion_of(a, b) != 0.0) {
         return SpringShare(1.0, 1.0, false);
     }
-    let force = vec2f(relative_force((*spring).overlap), relative_force(overlap));
+    let force = vec2f(law_relative_force((*spring).overlap), law_relative_force(overlap));
     let others = neighbours(of_a, of_b, feature, vec2f(1.0)).force;
     if others.x == 0.0 {
         return SpringShare(1.0, 1.0, false);
@@ -115,6 +109,6 @@ fn share_in_group(a: u32, b: u32, feature: u32, overlap: f32, spring: ptr<functi
     if (part > before) & (sums.lost > 0.0) {
         (*spring).shift = (before * (*spring).shift + (part - before) / sums.lost * sums.brought) / part;
     }
-    let exponent = select(0.0, 1.0 / 3.0, LAW == LAW_HERTZ_MINDLIN);
-    return SpringShare(part / pow(part, exponent), pow(min(1.0, totals.y / totals.x), exponent), true);
+    let unloading = law_stiffness_by_force(min(1.0, totals.y / totals.x));
+    return SpringShare(part / law_stiffness_by_force(part), unloading, true);
 }

@@ -1,6 +1,7 @@
 // requires model/entries.wgsl model/lists.wgsl model/one_state.wgsl model/order.wgsl model/step.wgsl physics/chain.wgsl
 // requires physics/collision/hidden_crossing.wgsl physics/contact.wgsl physics/forces/due.wgsl physics/forces/sphere_push.wgsl
-// requires physics/geometry.wgsl physics/round_pair.wgsl physics/laws/before.wgsl physics/laws/contact.wgsl physics/laws/jkr.wgsl physics/pairs.wgsl
+// requires laws/chosen.wgsl physics/geometry.wgsl physics/round_pair.wgsl physics/laws/before.wgsl
+// requires physics/laws/contact.wgsl physics/laws/jkr.wgsl physics/laws/stiffness.wgsl physics/pairs.wgsl
 // requires physics/rigid_side.wgsl physics/seams_of_list.wgsl physics/surface.wgsl physics/surfaces_of_list.wgsl
 // requires physics/walls.wgsl
 
@@ -56,18 +57,9 @@ fn law_pliancy(a_side: Side, b_side: Side, found: Touch, a: u32, b: u32) -> Plia
     }
     let depth = bond_at(cohesion, radius, found.overlap).depth;
     let approach = dot(a_side.velocity - b_side.velocity, found.n);
-    let answer = law_answer(a, b, constants, radius, mass, depth, approach, 0.0);
-    var normal = vec2f(answer.stiff.normal, constants.z * sqrt(answer.stiff.normal * mass));
-    if LAW == LAW_USER {
-        // The program gives a force alone. Its slopes are found from differences.
-        let reach = 0.01 * depth;
-        let speed = reach / step.dt;
-        let deeper = law_answer(a, b, constants, radius, mass, depth + reach, approach, 0.0).press;
-        let less = law_answer(a, b, constants, radius, mass, depth - reach, approach, 0.0).press;
-        let faster = law_answer(a, b, constants, radius, mass, depth, approach + speed, 0.0).press;
-        let slower = law_answer(a, b, constants, radius, mass, depth, approach - speed, 0.0).press;
-        normal = max(vec2f(0.0), 0.5 * vec2f(deeper - less, faster - slower) / vec2f(reach, speed));
-    }
+    let contact = LawContact(a, b, constants, radius, mass, depth, approach, 0.0);
+    let answer = law_answer(contact);
+    let normal = law_slopes(contact);
     return Pliancy(vec2f(normal.x, answer.stiff.tangential), vec2f(normal.y, answer.dashpot));
 }
 
