@@ -477,8 +477,8 @@ fn tetrahedron(closed: bool) -> String {
 #[test]
 fn a_mesh_becomes_a_clump_that_falls() {
     let rockfall = Rockfall::with("");
-    std::fs::write(rockfall.path("rock.obj"), tetrahedron(true)).unwrap();
-    std::fs::write(rockfall.path("open.obj"), tetrahedron(false)).unwrap();
+    fs::write(rockfall.path("rock.obj"), tetrahedron(true)).unwrap();
+    fs::write(rockfall.path("open.obj"), tetrahedron(false)).unwrap();
     let command = "generate clump rock.obj --spheres 30 --scale 0.1 --density 2 --min-radius 0.05 --overlap 0.5 --cells 50000";
     let (_, err) = rockfall.run(&format!("{command} --out clump.txt"), 0);
     assert!(err.contains("30 spheres with radii from") && err.contains("volume of the spheres: -"), "{err}");
