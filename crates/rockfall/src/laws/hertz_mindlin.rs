@@ -59,32 +59,39 @@ impl GrainLaw for HertzMindlin {
         (stiffest > 0.0).then(|| 2.87 * libm::pow(mass * mass / (radius * stiffest.powi(2) * speed), 0.2))
     }
 
+    #[inline]
     fn answer(&self, contact: &Contact) -> Answer {
         stiffness(contact).answer(contact)
     }
 
+    #[inline]
     fn slopes(&self, contact: &Contact, _: f32) -> [f32; 2] {
         stiffness(contact).slopes(contact)
     }
 
+    #[inline]
     fn energy(&self, contact: &Contact) -> f64 {
         stiffness(contact).energy(contact)
     }
 
+    #[inline]
     fn relative_force(&self, overlap: f32) -> f32 {
         overlap * overlap.max(0.0).sqrt()
     }
 
+    #[inline]
     fn stiffness_by_force(&self, ratio: f32) -> f32 {
         libm::cbrtf(ratio)
     }
 
+    #[inline]
     fn stiffness_by_overlap(&self, ratio: f32) -> f32 {
         ratio.sqrt()
     }
 }
 
 /// S_n = 2 E* sqrt(R* d), S_t = 8 G* sqrt(R* d). The elastic force 4/3 E* sqrt(R*) d^(3/2) is 2/3 S_n d.
+#[inline]
 #[inline]
 fn stiffness(contact: &Contact) -> Stiffness {
     let Contact { constants, bodies, overlap, before, .. } = *contact;

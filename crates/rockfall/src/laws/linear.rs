@@ -61,26 +61,32 @@ impl GrainLaw for Linear {
         None
     }
 
+    #[inline]
     fn answer(&self, contact: &Contact) -> Answer {
         stiffness(contact).answer(contact)
     }
 
+    #[inline]
     fn slopes(&self, contact: &Contact, _: f32) -> [f32; 2] {
         stiffness(contact).slopes(contact)
     }
 
+    #[inline]
     fn energy(&self, contact: &Contact) -> f64 {
         stiffness(contact).energy(contact)
     }
 
+    #[inline]
     fn relative_force(&self, overlap: f32) -> f32 {
         overlap.max(0.0)
     }
 
+    #[inline]
     fn stiffness_by_force(&self, _: f32) -> f32 {
         1.0
     }
 
+    #[inline]
     fn stiffness_by_overlap(&self, _: f32) -> f32 {
         1.0
     }
@@ -98,6 +104,7 @@ fn estimate(given: &Given, bodies: Reduced) -> Option<f64> {
 
 /// The stiffness that is given for the pair; or, where the normal constant is negative, that which follows from E*, the
 /// opposite of this constant, and the characteristic velocity, which is the tangential constant.
+#[inline]
 #[inline]
 fn stiffness(contact: &Contact) -> Stiffness {
     let (constants, bodies) = (contact.constants, contact.bodies);

@@ -50,6 +50,7 @@ impl GrainLaw for User {
         None
     }
 
+    #[inline]
     fn answer(&self, contact: &Contact) -> Answer {
         let Contact { overlap, before, .. } = *contact;
         contact.with_law(|law, input| {
@@ -76,6 +77,7 @@ impl GrainLaw for User {
     }
 
     /// The program gives a force alone. Its slopes are found from differences.
+    #[inline]
     fn slopes(&self, contact: &Contact, dt: f32) -> [f32; 2] {
         let Contact { overlap, approach, .. } = *contact;
         let press = |overlap: f32, approach: f32| self.answer(&Contact { overlap, approach, ..*contact }).press;
@@ -85,18 +87,22 @@ impl GrainLaw for User {
         [by_overlap / (2.0 * reach), by_speed / (2.0 * speed)].map(|slope| slope.max(0.0))
     }
 
+    #[inline]
     fn energy(&self, contact: &Contact) -> f64 {
         Contact { approach: 0.0, ..*contact }.with_law(ContactForceLaw::energy)
     }
 
+    #[inline]
     fn relative_force(&self, _: f32) -> f32 {
         0.0
     }
 
+    #[inline]
     fn stiffness_by_force(&self, _: f32) -> f32 {
         1.0
     }
 
+    #[inline]
     fn stiffness_by_overlap(&self, _: f32) -> f32 {
         1.0
     }

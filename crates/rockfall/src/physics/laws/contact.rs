@@ -204,6 +204,7 @@ fn of_touch(view: &View, [id_a, id_b]: [u32; 2], touch: &Touch) -> (Constants, B
 }
 
 /// A new contact of two objects with an overlap and a speed of approach.
+#[inline]
 fn contact<'a>(
     view: &View<'a>,
     [id_a, id_b]: [u32; 2],
@@ -253,12 +254,14 @@ pub(crate) fn normal_energy(view: &View, id_a: u32, id_b: u32, touch: &Touch) ->
 }
 
 impl Bodies {
+    #[inline]
     fn of(a: &Side, b: &Side) -> Self {
         Self { radius: effective_radius(a, b), mass: 1.0 / (a.inverse_mass + b.inverse_mass) }
     }
 }
 
 /// R*, with 1/R* the sum of the curvatures of both sides. Boxes and polygons are flat.
+#[inline]
 fn effective_radius(a: &Side, b: &Side) -> f32 {
     let curvature = |side: &Side| side.radius.map_or(0.0, f32::recip);
     1.0 / (curvature(a) + curvature(b))
