@@ -490,7 +490,14 @@ static MISTAKES: &[Mistake] = &[
         "select(1.0 - at, at, rod_ends",
         Buffer::Start,
     ),
-    Mistake("apply_friction_impulses", 0, "pressed.wgsl", "found += countOneBits", "found = countOneBits", Buffer::Start),
+    Mistake(
+        "apply_friction_impulses",
+        0,
+        "friction_impulses.wgsl",
+        "found += countOneBits",
+        "found = countOneBits",
+        Buffer::Start,
+    ),
     Mistake(
         "apply_friction_impulses",
         0,
