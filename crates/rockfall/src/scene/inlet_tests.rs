@@ -133,8 +133,9 @@ fn mixtures_keep_their_shares() {
         for (found, (kind, share)) in parts(&mixed).iter().zip(&kinds) {
             let wanted = share / 12.5;
             assert!((found[what] - wanted).abs() < 0.1 * wanted, "{} by {shares}: {} of {wanted}", kind.name, found[what]);
-            assert!((found[1 - what] - wanted).abs() > 0.1 * wanted, "{}: the other share differs", kind.name);
         }
+        let [number, mass] = parts(&mixed)[0];
+        assert!((number - mass).abs() > 0.03, "the spheres of radius 0.3 are heavier than most");
     }
 }
 
