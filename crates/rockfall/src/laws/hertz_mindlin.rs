@@ -92,7 +92,6 @@ impl GrainLaw for HertzMindlin {
 
 /// S_n = 2 E* sqrt(R* d), S_t = 8 G* sqrt(R* d). The elastic force 4/3 E* sqrt(R*) d^(3/2) is 2/3 S_n d.
 #[inline]
-#[inline]
 fn stiffness(contact: &Contact) -> Stiffness {
     let Contact { constants, bodies, overlap, before, .. } = *contact;
     let contact_radius = (bodies.radius * overlap).sqrt();

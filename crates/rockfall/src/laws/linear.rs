@@ -105,7 +105,6 @@ fn estimate(given: &Given, bodies: Reduced) -> Option<f64> {
 /// The stiffness that is given for the pair; or, where the normal constant is negative, that which follows from E*, the
 /// opposite of this constant, and the characteristic velocity, which is the tangential constant.
 #[inline]
-#[inline]
 fn stiffness(contact: &Contact) -> Stiffness {
     let (constants, bodies) = (contact.constants, contact.bodies);
     let [normal, tangential] = if constants.normal >= 0.0 {
