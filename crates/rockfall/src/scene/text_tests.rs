@@ -113,7 +113,7 @@ fn a_line_that_is_not_understood_is_an_error_in_a_file_with_extensions() {
         ("@grup 1", "'@grup': an unknown word, did you mean @group?"),
         (
             "@brush hopper",
-            "'@brush': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use, @name, @colour, @look, @label, @run, @mesh, @triangle, @motion, @servo, @move, @surface, @periodic, @plane, @cylinder, @cone, @ball, @gauge, @inlet, @outlet, @sensor, @body, @hull, @place, @joint, @repeat, @end",
+            "'@brush': an unknown word, expected one of @group, @orientation, @force, @capsule, @muscle, @material, @pair, @use, @name, @colour, @look, @label, @run, @mesh, @triangle, @motion, @servo, @move, @surface, @periodic, @plane, @cylinder, @cone, @ball, @gauge, @grain, @inlet, @outlet, @sensor, @body, @hull, @place, @joint, @repeat, @end",
         ),
     ];
     for (line, expected) in cases {
