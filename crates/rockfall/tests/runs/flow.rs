@@ -18,7 +18,7 @@ fn chute() -> Scene {
     let kind = |name: &str, from, to| {
         GrainKind::spheres(0.1).name(name).radii(Radii::Uniform(from, to), SizedBy::Mass).tag(Tag::new().name(name))
     };
-    let feed = feed.mix([(kind("coarse", 0.08, 0.16), 2.0), (kind("fine", 0.05, 0.08), 1.0)], SizedBy::Mass);
+    let feed = feed.mix([(kind("coarse", 0.08, 0.16), 4.0), (kind("fine", 0.07, 0.08), 1.0)], SizedBy::Mass);
     scene.add_inlet(feed.density(500.0).velocity([0.0, -1.0, 0.0]).seed(3)).expect("an inlet");
     scene.add_outlet(Outlet::new("drain", [[-5.0, -4.0, -5.0], [5.0, -1.0, 5.0]])).expect("an outlet");
     scene
