@@ -135,6 +135,9 @@ impl Link {
         let m = (DMat3::IDENTITY + r * k).inverse() * right;
         sides.twist(m);
         self.impulses.round = along(pose.e, old + m);
+        if visit.relax && !visit.is_first {
+            self.rotor = along(pose.e, sides.turning());
+        }
     }
 
     /// The drive of the free axis.

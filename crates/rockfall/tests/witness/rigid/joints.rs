@@ -259,7 +259,7 @@ impl Link {
             self.along_axis(sides, &pose, visit, &free);
         }
         // Only the last visit counts for the rotor: the rate that it leaves.
-        if visit.relax && !visit.is_first {
+        if visit.relax && !visit.is_first && self.kind != JointKind::Ball {
             self.turn_rotor(sides, &pose);
         }
     }
