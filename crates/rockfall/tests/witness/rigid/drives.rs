@@ -6,39 +6,89 @@ use rockfall::JointKind;
 use rockfall::glam::{DMat3, DVec3};
 
 use super::joints::{Link, Pose, Row, Visit, across, along, solved};
-use super::rows::{Sides, Soft, soft};
+use super::rows::{Sides, soft};
+
+/// The free axis with the block that answers its rows.
+pub(super) struct Free {
+    pub(super) p: f64,
+    pub(super) row: Row,
+    /// K with a hard block.
+    hard: f64,
+    /// K_d, with the block of this pass.
+    give: f64,
+    /// What the block gets with an impulse of 1, along the axes of the joint.
+    answer: DVec3,
+}
 
 impl Link {
+    pub(super) fn free(&self, sides: &Sides, pose: &Pose, visit: Visit) -> Option<Free> {
+        let (p, row) = pose.axis?;
+        let (moved, answer) = self.answer(sides, pose, row);
+        let (alone, more) = (sides.give(pose.arms, row), moved.dot(answer));
+        let m = if visit.relax { 1.0 } else { soft(2.0, self.angle, visit.h).mass };
+        Some(Free { p, row, hard: alone + more, give: alone + m * more, answer: m * answer })
+    }
+
+    /// What an impulse of 1 adds to the rates of the block that answers the row, and what a hard block answers.
+    fn answer(&self, sides: &Sides, pose: &Pose, row: Row) -> (DVec3, DVec3) {
+        let (e, arms, [one, two]) = (pose.e, pose.arms, sides.inverses);
+        let all = &[0, 1, 2];
+        match row {
+            Row::Angular(t) => {
+                let u = along(e, (two * t).cross(arms[1]) + (one * t).cross(arms[0]));
+                (u, solved(all, |i, j| sides.k(arms, e[i], e[j]), -u))
+            }
+            Row::Linear(n) if self.kind == JointKind::Slider => {
+                let w = along(e, two * arms[1].cross(n) + one * arms[0].cross(n));
+                (w, solved(all, |i, j| e[i].dot((one + two) * e[j]), -w))
+            }
+            Row::Linear(_) => (DVec3::ZERO, DVec3::ZERO),
+        }
+    }
+
+    /// An impulse along the free axis, and what the block answers.
+    fn push(&mut self, sides: &mut Sides, pose: &Pose, free: &Free, impulse: f64) {
+        let answer = impulse * free.answer;
+        sides.act(pose.arms, free.row, impulse);
+        match free.row {
+            Row::Angular(_) => {
+                self.impulses.linear += answer;
+                sides.push(pose.arms, across(pose.e, answer));
+            }
+            Row::Linear(_) => {
+                self.impulses.angular += answer;
+                sides.twist(across(pose.e, answer));
+            }
+        }
+    }
+
     /// The inertia of the rotor of the free axis.
-    pub(super) fn inertia(&self) -> f64 {
+    fn inertia(&self) -> f64 {
         if self.kind == JointKind::Ball { 0.0 } else { self.armature }
     }
 
-    /// The rotor has taken its part of impulses on the free axis, whose row gives way by this.
-    pub(super) fn taken(&mut self, give: f64, sum: f64, visit: Visit) {
-        if self.inertia() == 0.0 {
-            return;
-        }
-        let k = give / (1.0 + self.inertia() * give);
-        self.impulses.drive -= self.inertia() * k * sum;
-        if visit.relax && !visit.is_first {
-            self.rotor.x += k * sum;
-        }
+    /// What the free axis gives way by with its rotor.
+    pub(super) fn with_rotor(&self, free: &Free) -> f64 {
+        free.give / (1.0 + self.inertia() * free.give)
+    }
+
+    /// An impulse of the motor, of friction or of a limit. The rotor takes its part, the bodies and the block the rest.
+    pub(super) fn act(&mut self, sides: &mut Sides, pose: &Pose, free: &Free, impulse: f64) {
+        let alpha = self.inertia() * self.with_rotor(free);
+        self.impulses.drive -= alpha * impulse;
+        self.push(sides, pose, free, (1.0 - alpha) * impulse);
     }
 
     /// A row towards a speed. The sum of its impulses is that without the rotor.
-    fn toward(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, [speed, most, old]: [f64; 3]) -> f64 {
-        let Some((_, row)) = pose.axis else { return old };
-        let give = sides.give(pose.arms, row);
-        let change = -(sides.rate(pose.arms, row) - speed) * (1.0 + self.inertia() * give) / give;
-        let to = (old + change).clamp(-visit.h * most, visit.h * most);
-        sides.act(pose.arms, row, (to - old) / (1.0 + self.inertia() * give));
-        self.taken(give, to - old, visit);
+    fn toward(&mut self, sides: &mut Sides, pose: &Pose, free: &Free, [speed, most, old]: [f64; 3]) -> f64 {
+        let change = -(sides.rate(pose.arms, free.row) - speed) / self.with_rotor(free);
+        let to = (old + change).clamp(-most, most);
+        self.act(sides, pose, free, to - old);
         to
     }
 
-    pub(super) fn motor(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
-        let (Some((p, _)), Some(mut speed)) = (pose.axis, self.speed) else { return };
+    pub(super) fn motor(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, free: &Free) {
+        let (p, Some(mut speed)) = (free.p, self.speed) else { return };
         let mut most = self.most;
         if let Some([a, b]) = self.limits {
             if (speed > 0.0 && p >= b) || (speed < 0.0 && p <= a) {
@@ -49,16 +99,20 @@ impl Link {
                 speed = speed.max((a - p) / visit.h);
             }
         }
-        self.impulses.motor = self.toward(sides, pose, visit, [speed, most, self.impulses.motor]);
+        self.impulses.motor = self.toward(sides, pose, free, [speed, visit.h * most, self.impulses.motor]);
     }
 
-    /// Friction.
-    pub(super) fn rub(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
-        if self.friction <= 0.0 {
-            return;
+    /// Friction of the free axis.
+    pub(super) fn rub(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, free: &Free) {
+        if self.friction > 0.0 && self.kind != JointKind::Ball {
+            let most = visit.h * self.friction;
+            self.impulses.friction = self.toward(sides, pose, free, [0.0, most, self.impulses.friction]);
         }
-        if self.kind != JointKind::Ball {
-            self.impulses.friction = self.toward(sides, pose, visit, [0.0, self.friction, self.impulses.friction]);
+    }
+
+    /// Friction of a ball.
+    pub(super) fn rub_all(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
+        if self.friction <= 0.0 || self.kind != JointKind::Ball {
             return;
         }
         let k = sides.inverses[0] + sides.inverses[1];
@@ -87,92 +141,35 @@ impl Link {
     }
 
     /// The drive of the free axis.
-    pub(super) fn along_axis(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit) {
+    pub(super) fn drive(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, free: &Free) {
         let (h, k) = (visit.h, self.stiffness);
         let is_ball = self.kind == JointKind::Ball;
         let [c, drag] = if is_ball { [0.0; 2] } else { [self.damping, self.drag] };
         let inertia = self.inertia();
         let acts = k > 0.0 || self.effort != 0.0 || [c, drag, inertia].iter().any(|number| *number > 0.0);
-        let Some((p, row)) = pose.axis.filter(|_| acts) else { return };
+        if !acts {
+            return;
+        }
         if !visit.relax && visit.is_first {
-            self.off = p - self.rest;
+            self.off = free.p - self.rest;
             if self.kind.turns() {
                 self.off -= TAU * (self.off / TAU).round();
             }
         }
-        // An impulse of 1 gives the block `across`, and the block gives the drive as much. It answers, and moves in any case.
-        let Answer { across: moved, answer, expected } = self.answer(sides, pose, row, visit);
-        let give = sides.give(pose.arms, row) + moved.dot(answer);
-        let hard = sides.give(pose.arms, row) + moved.dot(answer) / self.gain(visit);
-        let before = sides.rate(pose.arms, row) + moved.dot(expected);
+        let (hard, give, before) = (free.hard, free.give, sides.rate(pose.arms, free.row));
         let own = (h * h * k - 0.25 / hard).max(0.0).min(6.0 / hard);
-        let [bounded, free] = [h * c + own, h * drag + inertia];
+        let [bounded, loose] = [h * c + own, h * drag + inertia];
         let [start, kept] = [h * self.effort - (h * k).min(2.0 / (h * hard)) * self.off, inertia * self.rotor.x];
         let old = self.impulses.drive;
-        // old + change = start - bounded v + kept - free v with v = before + give change.
-        let all = bounded + free;
+        // old + change = start - bounded v + kept - loose v with v = before + give change.
+        let all = bounded + loose;
         let mut change = (start + kept - old - all * before) / (1.0 + all * give);
         let most = h * self.most;
         let within = start - bounded * (before + give * change);
         if within.abs() > most {
-            change = (most.copysign(within) + kept - old - free * before) / (1.0 + free * give);
+            change = (most.copysign(within) + kept - old - loose * before) / (1.0 + loose * give);
         }
-        sides.act(pose.arms, row, change);
         self.impulses.drive = old + change;
-        if visit.relax && !visit.is_first && !is_ball {
-            self.rotor.x = before + give * change;
-        }
-        match row {
-            Row::Angular(_) => {
-                self.impulses.linear += change * answer;
-                sides.push(pose.arms, across(pose.e, change * answer));
-            }
-            Row::Linear(_) => {
-                self.impulses.angular += change * answer;
-                sides.twist(across(pose.e, change * answer));
-            }
-        }
+        self.push(sides, pose, free, change);
     }
-
-    fn soft(&self, visit: Visit) -> Soft {
-        soft(2.0, self.angle, visit.h)
-    }
-
-    /// The part of a rate that blocks take away.
-    fn gain(&self, visit: Visit) -> f64 {
-        if visit.relax { 1.0 } else { self.soft(visit).mass }
-    }
-
-    /// What the block answers that a drive of this row moves.
-    fn answer(&self, sides: &Sides, pose: &Pose, row: Row, visit: Visit) -> Answer {
-        let (e, arms, [one, two]) = (pose.e, pose.arms, sides.inverses);
-        let all = &[0, 1, 2];
-        let wanted = |rate: DVec3, off: DVec3, old: DVec3| {
-            let Soft { mass, rate: pull, give, .. } = self.soft(visit);
-            if visit.relax { (-rate, DVec3::ZERO) } else { (-(mass * rate + visit.bias * pull * off), -give * old) }
-        };
-        let (moved, answer, expected) = match row {
-            Row::Angular(t) => {
-                let u = along(e, (two * t).cross(arms[1]) + (one * t).cross(arms[0]));
-                let (right, more) = wanted(along(e, sides.slip(arms)), pose.linear, self.impulses.linear);
-                let k = |i: usize, j: usize| sides.k(arms, e[i], e[j]);
-                (u, solved(all, k, -u), solved(all, k, right) + more)
-            }
-            Row::Linear(n) if self.kind == JointKind::Slider => {
-                let w = along(e, two * arms[1].cross(n) + one * arms[0].cross(n));
-                let (right, more) = wanted(along(e, sides.turning()), pose.angular, self.impulses.angular);
-                let k = |i: usize, j: usize| e[i].dot((one + two) * e[j]);
-                (w, solved(all, k, -w), solved(all, k, right) + more)
-            }
-            Row::Linear(_) => (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO),
-        };
-        Answer { across: moved, answer: self.gain(visit) * answer, expected }
-    }
-}
-
-/// How a block answers a drive, along the axes of the joint.
-struct Answer {
-    across: DVec3,
-    answer: DVec3,
-    expected: DVec3,
 }

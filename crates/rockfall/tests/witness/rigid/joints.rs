@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use rockfall::JointKind;
 use rockfall::glam::{DMat3, DQuat, DVec3};
 
+use super::drives::Free;
 use super::mistakes::Mistake;
 use super::rows::{Sides, Soft, soft};
 use super::solver::{Solver, State};
@@ -153,7 +154,10 @@ impl Link {
 
     /// The rotor turns with the joint at the start of a frame.
     fn start(&mut self, sides: &Sides, states: [State; 2]) {
-        let pose = self.pose(states);
+        self.turn_rotor(sides, &self.pose(states));
+    }
+
+    fn turn_rotor(&mut self, sides: &Sides, pose: &Pose) {
         self.rotor = match pose.axis {
             _ if self.kind == JointKind::Ball => along(pose.e, sides.turning()),
             Some((_, row)) => DVec3::X * sides.rate(pose.arms, row),
@@ -245,26 +249,45 @@ impl Link {
     fn visit(&mut self, sides: &mut Sides, states: [State; 2], visit: Visit) {
         let pose = self.pose(states);
         let soft = soft(2.0, self.angle, visit.h);
-        self.along_axis(sides, &pose, visit);
-        if visit.relax {
-            self.motor(sides, &pose, visit);
-        }
         self.about_all(sides, &pose, visit);
         if visit.relax {
-            self.rub(sides, &pose, visit);
+            self.rub_all(sides, &pose, visit);
         }
-        self.bounds(sides, &pose, visit, &soft);
-        if let Some((p, row)) = pose.axis.filter(|_| self.locked) {
-            let (rate, k) = (sides.rate(pose.arms, row), sides.give(pose.arms, row));
-            let change = if visit.relax {
-                -rate / k
-            } else {
-                -(soft.mass * rate + visit.bias * soft.rate * (p - self.rest)) / k - soft.give * self.impulses.locked
-            };
-            self.impulses.locked += change;
-            sides.act(pose.arms, row, change);
-        }
+        self.bound_cone(sides, &pose, visit, &soft);
         self.blocks(sides, &pose, visit, &soft);
+        if let Some(free) = self.free(sides, &pose, visit) {
+            self.along_axis(sides, &pose, visit, &free);
+        }
+        // Only the last visit counts for the rotor: the rate that it leaves.
+        if visit.relax && !visit.is_first && self.kind != JointKind::Ball {
+            self.turn_rotor(sides, &pose);
+        }
+    }
+
+    /// The rows of the free axis.
+    fn along_axis(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, free: &Free) {
+        self.drive(sides, pose, visit, free);
+        if visit.relax {
+            self.motor(sides, pose, visit, free);
+            self.rub(sides, pose, visit, free);
+        }
+        let soft = soft(2.0, self.angle, visit.h);
+        self.bound(sides, pose, visit, free, &soft);
+        if self.locked {
+            self.lock(sides, pose, visit, free, &soft);
+        }
+    }
+
+    /// The row of a locked distance, which no block answers.
+    fn lock(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, free: &Free, soft: &Soft) {
+        let (rate, k) = (sides.rate(pose.arms, free.row), sides.give(pose.arms, free.row));
+        let change = if visit.relax {
+            -rate / k
+        } else {
+            -(soft.mass * rate + visit.bias * soft.rate * (free.p - self.rest)) / k - soft.give * self.impulses.locked
+        };
+        self.impulses.locked += change;
+        sides.act(pose.arms, free.row, change);
     }
 
     fn blocks(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, soft: &Soft) {
@@ -290,36 +313,24 @@ impl Link {
         }
     }
 
-    /// Limits and the cone.
-    fn bounds(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, soft: &Soft) {
-        let axis_gives = pose.axis.map(|(_, row)| sides.give(pose.arms, row));
-        let mut one = |c: f64, row: Row, sign: f64, inertia: f64, impulse: &mut f64| {
-            let k = sides.give(pose.arms, row) / (1.0 + inertia * sides.give(pose.arms, row));
-            let rate = sign * sides.rate(pose.arms, row);
-            let change = match (visit.relax, c > 0.0) {
-                (true, true) if *impulse <= 0.0 => return 0.0,
-                (true, _) => -rate / k,
-                (false, true) => -(rate + c / visit.h) / k,
-                (false, false) => -(soft.mass * rate + soft.rate * c) / k - soft.give * *impulse,
-            };
-            let to = (*impulse + change).max(0.0);
-            let done = sign * (to - *impulse);
-            sides.act(pose.arms, row, done / (1.0 + inertia * sides.give(pose.arms, row)));
-            *impulse = to;
-            done
-        };
-        let (inertia, mut taken) = (self.inertia(), 0.0);
-        if let (Some((p, row)), Some([a, b])) = (pose.axis, self.limits) {
-            let sum = one(p - a, row, 1.0, inertia, &mut self.impulses.lower)
-                + one(b - p, row, -1.0, inertia, &mut self.impulses.upper);
-            taken = sum;
-        }
-        if let Some((c, row)) = self.cone_row(pose) {
-            one(c, row, 1.0, 0.0, &mut self.impulses.cone);
-        }
-        if let Some(give) = axis_gives {
-            self.taken(give, taken, visit);
-        }
+    fn bound_cone(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, soft: &Soft) {
+        let Some((c, row)) = self.cone_row(pose) else { return };
+        let (rate, k) = (sides.rate(pose.arms, row), sides.give(pose.arms, row));
+        let old = self.impulses.cone;
+        self.impulses.cone = visit.bounded(soft, [c, rate, k, old]);
+        sides.act(pose.arms, row, self.impulses.cone - old);
+    }
+
+    /// Limits. The sums of their impulses are those without the rotor.
+    fn bound(&mut self, sides: &mut Sides, pose: &Pose, visit: Visit, free: &Free, soft: &Soft) {
+        let Some([a, b]) = self.limits else { return };
+        let k = self.with_rotor(free);
+        let (rate, old) = (sides.rate(pose.arms, free.row), self.impulses.lower);
+        self.impulses.lower = visit.bounded(soft, [free.p - a, rate, k, old]);
+        self.act(sides, pose, free, self.impulses.lower - old);
+        let (rate, old) = (sides.rate(pose.arms, free.row), self.impulses.upper);
+        self.impulses.upper = visit.bounded(soft, [b - free.p, -rate, k, old]);
+        self.act(sides, pose, free, old - self.impulses.upper);
     }
 }
 
@@ -330,6 +341,19 @@ pub(super) struct Visit {
     pub(super) h: f64,
     /// 1, or 0 for a mistake.
     pub(super) bias: f64,
+}
+
+impl Visit {
+    /// The impulse of a row that keeps C at 0 or more, from C, its rate, K and the old impulse.
+    fn bounded(self, soft: &Soft, [c, rate, k, old]: [f64; 4]) -> f64 {
+        let change = match (self.relax, c > 0.0) {
+            (true, true) if old <= 0.0 => return old,
+            (true, _) => -rate / k,
+            (false, true) => -(rate + c / self.h) / k,
+            (false, false) => -(soft.mass * rate + soft.rate * c) / k - soft.give * old,
+        };
+        (old + change).max(0.0)
+    }
 }
 
 impl Solver {
