@@ -2,7 +2,7 @@
 
 use rockfall::generate::Kind;
 use rockfall::glam::{Quat, Vec3};
-use rockfall::{Backend, BroadPhase, Cuboid, Options, Scene, Simulation, Sphere};
+use rockfall::{Backend, BroadPhase, Cuboid, Look, Options, Scene, Simulation, Sphere, Tag};
 use rockfall_viewer::camera::{Camera, Direction, Up};
 use rockfall_viewer::draw::{ColourBy, Range, Style};
 use rockfall_viewer::survey::Survey;
@@ -82,7 +82,9 @@ fn a_scene_with_z_up_looks_like_the_same_scene_with_y_up() {
         let mut scene = Scene::new();
         scene.settings.gravity_direction = -up.vector();
         for k in 0..4 {
-            scene.add_sphere(Sphere::new(at(1.2 * k as f32, 0.5 + 0.1 * k as f32, 0.0), 0.5)).unwrap();
+            // Stripes would turn with the axes of the scene.
+            let id = scene.add_sphere(Sphere::new(at(1.2 * k as f32, 0.5 + 0.1 * k as f32, 0.0), 0.5)).unwrap();
+            scene.set_tag(id, Tag::new().look(Look::Plain)).unwrap();
         }
         // A block on which a ball lies, and a wall in front, which is translucent.
         for (from, to) in [(at(-2.0, 0.0, -2.0), at(5.0, 0.01, 2.0)), (at(-1.0, 0.0, 1.5), at(1.0, 2.0, 1.7))] {
