@@ -146,7 +146,7 @@ pub struct Simulation {
 }
 
 impl Simulation {
-    /// Creates a simulation on the backend that [`Backend::Auto`](crate::Backend::Auto) chooses.
+    /// Creates a simulation on the backend that [`Backend::Auto`] chooses.
     ///
     /// # Errors
     /// [`Error::Invalid`] when a setting is not allowed, and an error when the scene is too large.

@@ -31,7 +31,7 @@ pub struct GrainKind {
     pub tag: Tag,
 }
 
-/// The radii of the spheres of an [`Inlet`], in units. As text: `0.1`, `0.1..0.2`, `lognormal:0.1,0.3`.
+/// The radii of the spheres of an [`Inlet`](super::Inlet), in units. As text: `0.1`, `0.1..0.2`, `lognormal:0.1,0.3`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Radii {
@@ -60,7 +60,7 @@ pub enum SizedBy {
     Mass,
 }
 
-/// The mass of a sphere of an [`Inlet`].
+/// The mass of a sphere of an [`Inlet`](super::Inlet).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum GrainMass {
