@@ -10,6 +10,7 @@ use glam::DVec3;
 
 use crate::error::{Error, MeshPlace, Result, quoted};
 
+pub(crate) mod nearest;
 mod obj;
 mod ply;
 mod shapes;

@@ -173,7 +173,8 @@ class Flows(Bodies):
         Raises
         ------
         ValueError
-            For numbers out of range, a mixture with kinds of the same name, a box that is too small for the largest sphere, and a name that is in use.
+            For numbers out of range, a mixture with kinds of the same name, a box that is too small for the largest sphere, and a
+            name that is in use.
         TypeError
             For a shape together with a radius, mass or density, for none of a shape, a radius and a mixture, and for a mixture
             together with values that its kinds have.

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 pub(crate) use hull::BadHull;
+pub(crate) use moments::{moments, outer};
 
 /// What a shape is about. A shape is all points within its radius of the core.
 #[derive(Clone, Debug, PartialEq)]

@@ -270,7 +270,8 @@ impl Scene {
     ///
     /// # Errors
     /// [`Error::Invalid`] for a name that another inlet has or that is not one word, a box without volume or too small for the largest
-    /// sphere, a volume rate of rigid bodies, a mixture without kinds or with kinds of the same name, and numbers that are out of range. [`Error::StaleHandle`] for a material or a shape that is
+    /// sphere, a volume rate of rigid bodies, a mixture without kinds or with kinds of the same name, and numbers that are out of
+    /// range. [`Error::StaleHandle`] for a material or a shape that is
     /// not in the scene.
     pub fn add_inlet(&mut self, mut inlet: Inlet) -> Result<()> {
         for (kind, _) in &mut inlet.kinds {

@@ -21,7 +21,7 @@ impl Scene {
         for serial in 0..SAMPLE {
             let grain = sequence.grain(serial);
             mass += f64::from(grain.mass) / SAMPLE as f64;
-            volume += Inlet { rate: Rate::Volume(0.0), ..inlet.clone() }.share(&grain) / SAMPLE as f64;
+            volume += grain.volume() / SAMPLE as f64;
         }
         let (rate, of_volume, unit) = match inlet.rate {
             Rate::Number(rate) => (rate, volume, "spheres"),

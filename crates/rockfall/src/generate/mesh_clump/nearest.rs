@@ -4,6 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::mesh::Mesh;
+use crate::mesh::nearest::on_triangle;
 
 /// The triangles of a mesh, each with its first corner and the length of its longer edge from there.
 pub(super) struct Nearest {
@@ -34,19 +35,7 @@ impl Nearest {
     }
 }
 
-/// The distance of a point from a segment.
-fn from_segment(a: DVec3, b: DVec3, point: DVec3) -> f64 {
-    let along = b - a;
-    let part = ((point - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
-    point.distance(a + part * along)
-}
-
 /// The distance of a point from a triangle.
-pub(super) fn distance([a, b, c]: [DVec3; 3], point: DVec3) -> f64 {
-    let normal = (b - a).cross(c - a);
-    let is_inside = |from: DVec3, to: DVec3| normal.dot((to - from).cross(point - from)) >= 0.0;
-    if is_inside(a, b) && is_inside(b, c) && is_inside(c, a) {
-        return (normal.dot(point - a) / normal.length()).abs();
-    }
-    from_segment(a, b, point).min(from_segment(b, c, point)).min(from_segment(c, a, point))
+pub(super) fn distance(corners: [DVec3; 3], point: DVec3) -> f64 {
+    point.distance(on_triangle(point, &corners))
 }

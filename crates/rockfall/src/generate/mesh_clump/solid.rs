@@ -7,6 +7,7 @@ use glam::{DMat3, DVec3};
 use super::invalid;
 use crate::error::Result;
 use crate::mesh::Mesh;
+use crate::rigid::shape::{moments, outer};
 use crate::scene::MassProperties;
 
 /// Integrals of 1, x and x xᵀ over a volume, with x from a point of reference.
@@ -16,10 +17,6 @@ pub(super) struct Moments {
     pub(super) volume: f64,
     pub(super) first: DVec3,
     pub(super) second: DMat3,
-}
-
-fn square(x: DVec3) -> DMat3 {
-    DMat3::from_cols(x.x * x, x.y * x, x.z * x)
 }
 
 impl Moments {
@@ -32,12 +29,12 @@ impl Moments {
         let x = point - self.origin;
         self.volume += volume;
         self.first += volume * x;
-        self.second += volume * square(x);
+        self.second += volume * outer(x);
     }
 
     pub(super) fn properties(&self, density: f64) -> MassProperties {
         let middle = self.first / self.volume;
-        let about_centre = self.second - self.volume * square(middle);
+        let about_centre = self.second - self.volume * outer(middle);
         let trace = about_centre.x_axis.x + about_centre.y_axis.y + about_centre.z_axis.z;
         let inertia = density * (DMat3::from_diagonal(DVec3::splat(trace)) - about_centre);
         let [x, y, z] = [inertia.x_axis, inertia.y_axis, inertia.z_axis];
@@ -58,15 +55,9 @@ pub(super) fn middle(mesh: &Mesh) -> DVec3 {
 /// The moments of a closed mesh about the middle of its bounds: those of the tetrahedra between its triangles and this point.
 pub(super) fn of_mesh(mesh: &Mesh) -> Result<Moments> {
     check_closed(mesh)?;
-    let mut moments = Moments::new(middle(mesh));
-    for corners in mesh.corners() {
-        let [a, b, c] = corners.map(|corner| corner - moments.origin);
-        let six = a.dot(b.cross(c));
-        let sum = a + b + c;
-        moments.volume += six / 6.0;
-        moments.first += six / 24.0 * sum;
-        moments.second += six / 120.0 * (square(sum) + square(a) + square(b) + square(c));
-    }
+    let origin = middle(mesh);
+    let whole = moments(mesh.corners().map(|corners| corners.map(|corner| corner - origin)));
+    let mut moments = Moments { origin, volume: whole.volume, first: whole.first, second: whole.second };
     let [least, greatest] = mesh.bounds().map(|corner| DVec3::from_array(corner.map(f64::from)));
     let size = (greatest - least).max_element();
     if moments.volume.abs() <= 1e-9 * size.powi(3) {

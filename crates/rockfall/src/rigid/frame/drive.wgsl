@@ -39,7 +39,9 @@ fn drive_change(joint: Joint, k: f32, hard: f32, speed: f32, old: f32) -> f32 {
 }
 
 // The drive of the free axis.
-fn drive_row(joint: Joint, ends: ptr<function, Ends>, position: f32, axis: ptr<function, Axis>, own: ptr<function, Impulses>, biased: bool) {
+fn drive_row(
+    joint: Joint, ends: ptr<function, Ends>, position: f32, axis: ptr<function, Axis>, own: ptr<function, Impulses>, biased: bool
+) {
     if biased && is_first_visit {
         joint_states[JOINT_STATE_ROWS * joint.number + 5u].w = beyond_target(joint, position);
     }

@@ -3,14 +3,14 @@
 use glam::{DMat3, DVec3};
 
 /// Volume, first and second moments of a closed surface of triangles.
-pub(super) struct Moments {
-    pub(super) volume: f64,
-    pub(super) first: DVec3,
-    pub(super) second: DMat3,
+pub(crate) struct Moments {
+    pub(crate) volume: f64,
+    pub(crate) first: DVec3,
+    pub(crate) second: DMat3,
 }
 
 /// Moments of the tetrahedra between the origin and triangles that run counterclockwise from outside.
-pub(super) fn moments(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Moments {
+pub(crate) fn moments(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Moments {
     let mut sum = Moments { volume: 0.0, first: DVec3::ZERO, second: DMat3::ZERO };
     for [p, q, r] in triangles {
         let volume = p.dot(q.cross(r)) / 6.0;
@@ -23,6 +23,6 @@ pub(super) fn moments(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Moment
 }
 
 /// The product v v^T.
-pub(super) fn outer(v: DVec3) -> DMat3 {
+pub(crate) fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }

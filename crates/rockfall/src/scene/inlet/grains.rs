@@ -32,6 +32,13 @@ pub(crate) struct Grain {
     pub(crate) mass: f32,
 }
 
+impl Grain {
+    /// The volume of the sphere, in units³.
+    pub(crate) fn volume(&self) -> f64 {
+        volume(self.radius.into())
+    }
+}
+
 /// Mixes the bits of a number (SplitMix64).
 fn mixed(number: u64) -> u64 {
     let x = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -208,7 +215,7 @@ impl Inlet {
         match self.rate {
             Rate::Number(_) => 1.0,
             Rate::Mass(_) => grain.mass.into(),
-            Rate::Volume(_) => volume(grain.radius.into()),
+            Rate::Volume(_) => grain.volume(),
         }
     }
 

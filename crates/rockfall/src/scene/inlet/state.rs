@@ -56,7 +56,10 @@ impl FlowState {
         for (number, inlet) in scene.inlets().iter().enumerate().skip(self.inlets.len()) {
             let sum = match inlet.rate {
                 Rate::Number(_) => inlet.after as f64,
-                _ => (0..inlet.after).map(|serial| scene.sequence(inlet, number).share(serial)).sum(),
+                _ => {
+                    let sequence = scene.sequence(inlet, number);
+                    (0..inlet.after).map(|serial| sequence.share(serial)).sum()
+                }
             };
             self.inlets.push(InletState { serial: inlet.after, sum, ..InletState::default() });
         }
